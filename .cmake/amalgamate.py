@@ -8,7 +8,8 @@
     .cmake/amalgamate.py silt_dem.hpp silt/dem.hpp silt/io/vtk.hpp  these, and what they include
     .cmake/amalgamate.py silt.hpp silt/silt.hpp silt/mpi.hpp      with an optional header
 
-Every header of the library appears once, in the order of inclusion. Other headers, those of Eigen and of
+Every header of the library appears once, in the order of inclusion; of those that are included once for
+each instruction set, that part appears as often. Other headers, those of Eigen and of
 the standard library, are still included. The single header replaces the folder include/silt: a program
 must not include both.
 """
@@ -24,6 +25,9 @@ OTHER_BRANCH = re.compile(r"#\s*el")
 END_OF_CONDITION = re.compile(r"#\s*endif")
 MACRO = re.compile(r"#\s*define\s+(\w+)")
 SPDX = "// SPDX-License-Identifier: MIT"
+# Includes a part of a header for each instruction set.
+LOOP = "silt/core/each_instruction_set.hpp"
+KERNELS = re.compile(r"#ifndef SILT_INSTRUCTION_SET\n#ifndef (\w+)\n#define \1\n(.*)^#endif\n#else\n(.*)^#endif\n*\Z", re.M | re.S)
 # Headers that need a library other than Eigen.
 OPTIONAL = re.compile(r"silt/(mpi\.hpp|mpi/.*|solve/hypre.*)")
 
@@ -51,14 +55,35 @@ class Amalgamation:
         if not path.is_file():
             raise Refused(f"there is no header {name} in {self.include}")
         self.note(name)
-        depth = len(self.conditions)
+        text = path.read_text(encoding="utf-8")
+        kernels = KERNELS.search(text)
+        if kernels:
+            text = text[:kernels.start()] + kernels[2]
         heading = ["", f"// --- {name}"]  # and the comment at its top; comes after the headers that it includes
-        for line in path.read_text(encoding="utf-8").splitlines():
+        self.add_text(name, text, heading, kernels[3] if kernels else "")
+
+    def add_loop(self, kernels):
+        """Appends the part of a header for each instruction set."""
+        self.add("silt/core/instruction_set.hpp")
+        text = (self.include / LOOP).read_text(encoding="utf-8")
+        text = text[text.index("#ifdef SILT_KERNELS\n"):text.index("#undef SILT_KERNELS\n")].split("\n", 1)[1]
+        for number, part in enumerate(text.split("#include SILT_KERNELS\n")):
+            if number > 0:
+                self.lines += kernels.strip("\n").splitlines()
+            self.lines += [line for line in part.splitlines() if line and not line.startswith("//")]
+
+    def add_text(self, name, text, heading, kernels):
+        depth = len(self.conditions)
+        for line in text.splitlines():
             include = INCLUDE.match(line)
             if line in (SPDX, "#pragma once") or (include and include[1] in self.added):
                 continue
-            if include and include[1].startswith("silt/"):
+            if include and include[1] == LOOP:
+                self.add_loop(kernels)
+            elif include and include[1].startswith("silt/"):
                 self.add(include[1])
+            elif line.startswith("#define SILT_KERNELS "):
+                pass
             elif heading and line.startswith("//"):
                 heading.append(line)
             elif line or not heading:
@@ -102,7 +127,7 @@ def version_of(include):
 
 def default_headers(include):
     names = sorted(path.relative_to(include).as_posix() for path in pathlib.Path(include).rglob("*.hpp"))
-    return ["silt/silt.hpp", *(name for name in names if not OPTIONAL.fullmatch(name))]
+    return ["silt/silt.hpp", *(name for name in names if name != LOOP and not OPTIONAL.fullmatch(name))]
 
 
 def amalgamate(repository, headers=()):

@@ -63,7 +63,7 @@ INTERFACES = {
     "LimitsTimeStep": ["limit_of_time_step"],
     "Transactional": ["save", "restore"],
     "Transferable": ["transfer"],
-    "Damping": ["kicked", "drag", "half_step_before", "accepts_packs"],
+    "Damping": ["kicked", "drag", "half_step_before"],
     "ActsBeforeSteps": ["before_step"],
     "ObservesSteps": ["after_step"],
     "ActsBetweenSteps": ["between_steps"],
@@ -111,7 +111,7 @@ MODELS = {
                        "friction", "wall_stress", "laplacian"],
     "CellMultigrid": ["finest", "solve", "share", "add_of_others"],
     "MotionInColumns": ["State", "at_once", "is_in_rows", "change_velocities", "drift",
-                        "store", "knows_energy", "Energies", "sum_of", "Outcome"],
+                        "store", "Outcome", "energy_before", "energy_after"],
 }
 
 # Members that mean the same as in the containers and iterators of the standard library.

@@ -23,7 +23,8 @@ FLAGS = ["-std=c++20", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-
 QUICKSTARTS = ("quickstart_tower", "quickstart_dam")
 # All that a program gets to see.
 MACROS = {"SILT_VERSION", "SILT_VERSION_MAJOR", "SILT_VERSION_MINOR", "SILT_VERSION_PATCH",
-          "SILT_AVX2", "SILT_AVX512", "SILT_SSE2", "SILT_INDEPENDENT_ITERATIONS", "SILT_HAS_POSIX_FILES"}
+          "SILT_ISA_OF_FLAGS", "SILT_LEVEL_OF_FLAGS", "SILT_ADDS_AVX2", "SILT_ADDS_AVX512", "SILT_FOR_PROCESSOR",
+          "SILT_INDEPENDENT_ITERATIONS", "SILT_HAS_POSIX_FILES"}
 INCLUDE_OF_SILT = re.compile(r"^#include <silt/.*>\n", re.M)
 
 
@@ -59,7 +60,7 @@ def check_text(script, repository, header):
     includes = re.findall(r"^#include <(.*)>$", text, re.M)
     assert includes.count("vector") == 1 and includes.count("Eigen/Core") == 1
 
-    macros = set(re.findall(r"^#\s*define (\w+)", text, re.M))
+    macros = set(re.findall(r"^#\s*define (\w+)", text, re.M)) - set(re.findall(r"^#\s*undef (\w+)", text, re.M))
     assert macros == MACROS, macros ^ MACROS
 
     part = headers_in(script.amalgamate(repository, ["silt/core/error.hpp"]))

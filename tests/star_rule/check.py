@@ -19,6 +19,7 @@ INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 OPENMP = re.compile(r'#\s*pragma\s+omp\b|_Pragma\s*\(\s*"omp\b')
 FORBIDDEN = re.compile(r"^(iostream|regex|ranges|Eigen/Dense|(unsupported/)?Eigen/src/.*)$")
 THREADS = "core/parallel.hpp"
+LOOP = "core/each_instruction_set.hpp"
 # What folders may include in addition to core/ and themselves.
 SHARED = {"dem": {"geometry"}, "measure": {"geometry"}, "mpi": {"linear", "solve"},
           "mps": {"geometry", "linear"}, "solve": {"linear"}}
@@ -53,8 +54,12 @@ def faults_of(root, header):
 
     if not lines or lines[0] != "// SPDX-License-Identifier: MIT":
         yield 1, "the first line must be // SPDX-License-Identifier: MIT"
-    if "#pragma once" not in lines:
-        yield 1, "#pragma once is missing"
+    if name.as_posix() != LOOP and "#pragma once" not in lines:
+        # A header that is included once for each instruction set has guards instead.
+        guard = "SILT_" + "_".join(name.with_suffix("").parts).upper()
+        if not all(line in lines for line in ("#ifndef SILT_INSTRUCTION_SET", f"#ifndef {guard}", f"#define {guard}",
+                                              f"#define SILT_KERNELS <silt/{name.as_posix()}>")):
+            yield 1, f"#pragma once, or the guards of SILT_INSTRUCTION_SET and {guard}, are missing"
 
     for number, line in enumerate(lines, 1):
         if OPENMP.search(line) and name.as_posix() != THREADS:

@@ -280,7 +280,7 @@ concept Transactional = requires(T t) {
 ///   check(), check(dt)            throw if a parameter, or the time step, is out of range
 ///   half_step_before(v, a, dt)    v^{N−½} from v^N, if it is not v − ½ a Δt
 ///   drag(v)                       acceleration due to damping at v^N, for an energy ledger
-///   accepts_packs = true          v and a may also be SIMD packs, see core/simd.hpp
+///
 /// Models: NoDamping, GlobalDamping.
 template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {

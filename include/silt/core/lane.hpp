@@ -11,6 +11,7 @@
 #include <silt/core/field_view.hpp>
 #include <silt/core/types.hpp>
 
+#include <cmath>
 #include <concepts>
 #include <span>
 #include <type_traits>
@@ -21,6 +22,16 @@
 #define SILT_INDEPENDENT_ITERATIONS
 #else
 #define SILT_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
+#endif
+
+// A square root has no effect but its result: without this, it sets errno for numbers below zero,
+// and the compiler calls it for one contact after another unless -fno-math-errno is given.
+#ifdef __GLIBC__
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wredundant-decls"
+extern "C" [[gnu::const]] double sqrt(double) noexcept;
+extern "C" [[gnu::const]] float sqrtf(float) noexcept;
+#pragma GCC diagnostic pop
 #endif
 
 namespace silt {
@@ -50,6 +61,13 @@ class Lane {
   constexpr Lane& operator/=(Lane b) { return *this = *this / b; }
 
   friend constexpr Lane operator-(Lane a) { return -a.value_; }
+  friend Lane sqrt(Lane a) {
+    if constexpr (sizeof(Real) == sizeof(float)) {
+      return ::sqrtf(a.value_);
+    } else {
+      return ::sqrt(a.value_);
+    }
+  }
   friend constexpr Lane operator+(Lane a, Lane b) { return a.value_ + b.value_; }
   friend constexpr Lane operator-(Lane a, Lane b) { return a.value_ - b.value_; }
   friend constexpr Lane operator*(Lane a, Lane b) { return a.value_ * b.value_; }

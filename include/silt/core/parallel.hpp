@@ -12,6 +12,8 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
+#include <silt/core/instruction_set.hpp>
+#include <silt/core/largest_of.hpp>
 #include <silt/core/thread_choice.hpp>
 #include <silt/core/types.hpp>
 
@@ -359,16 +361,19 @@ Value ordered_sum(Index n, const Value& zero, F&& f) {
       [](Value& sum, const Value& of_chunk) { sum += of_chunk; });
 }
 
+namespace detail {
+template <class Value, class F>
+Value largest_in(Chunk chunk, Value initial, F& f) {
+  return SILT_FOR_PROCESSOR(largest_of<Value, F>)(chunk.first, chunk.last, initial, f);
+}
+}  // namespace detail
+
 /// Maximum of `initial` and all f(i).
 template <class Value, class F>
 Value largest(Index n, Value initial, F&& f) {
   return detail::reduce_chunks<Value>(
       n, initial,
-      [&f](Chunk chunk, Value& result) {
-        Value maximum = result;
-        for (Index i = chunk.first; i < chunk.last; ++i) maximum = std::max<Value>(maximum, f(i));
-        result = maximum;
-      },
+      [&f](Chunk chunk, Value& result) { result = detail::largest_in(chunk, result, f); },
       [](Value& maximum, const Value& of_chunk) { maximum = std::max<Value>(maximum, of_chunk); });
 }
 

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Rows of four numbers, as in {x y z R} of a grain: which particles are stored in them, and how they
-// become packs, row by row or number by number.
-#pragma once
+// Rows of four numbers, as in {x y z R} of a grain: which particles are stored in them, and how
+// they become packs, row by row or number by number.
+//
+// Included once for each instruction set, see each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_CORE_ROWS_OF_FOUR
+#define SILT_CORE_ROWS_OF_FOUR
 
 #include <silt/core/fields.hpp>
 #include <silt/core/simd.hpp>
@@ -54,6 +58,16 @@ constexpr bool in_rows_with_radius() {
   return false;
 }
 
+}  // namespace silt
+
+#define SILT_KERNELS <silt/core/rows_of_four.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+#endif
+#else
+
+namespace silt::simd::SILT_INSTRUCTION_SET {
+
 // One or two rows in a pack, which is passed by reference, because how it is returned depends on the
 // processor flags. Where `Pack` has only four numbers, the second row is not used.
 
@@ -66,11 +80,11 @@ template <class Real, class Pack>
 void load_fours(const Real* first, [[maybe_unused]] const Real* second, Pack& to) {
   if constexpr (is_two_fours<Pack>) {
     Four<Real> a, b;
-    simd::load_four(first, a);
-    simd::load_four(second, b);
+    load_pack(first, a);
+    load_pack(second, b);
     to = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
   } else {
-    simd::load_four(first, to);
+    load_pack(first, to);
   }
 }
 /// Three numbers and 0 each.
@@ -78,21 +92,21 @@ template <class Real, class Pack>
 void load_threes(const Real* first, [[maybe_unused]] const Real* second, Pack& to) {
   if constexpr (is_two_fours<Pack>) {
     Four<Real> a, b;
-    simd::load_three(first, a);
-    simd::load_three(second, b);
+    load_three(first, a);
+    load_three(second, b);
     to = __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7);
   } else {
-    simd::load_three(first, to);
+    load_three(first, to);
   }
 }
 /// Writes the first four numbers to `first`, and those after them, if there are any, to `second`.
 template <class Real, class Pack>
 void store_fours(const Pack& p, Real* first, [[maybe_unused]] Real* second) {
   if constexpr (is_two_fours<Pack>) {
-    simd::store<Real, 4>(first, __builtin_shufflevector(p, p, 0, 1, 2, 3));
-    simd::store<Real, 4>(second, __builtin_shufflevector(p, p, 4, 5, 6, 7));
+    store<Real, 4>(first, __builtin_shufflevector(p, p, 0, 1, 2, 3));
+    store<Real, 4>(second, __builtin_shufflevector(p, p, 4, 5, 6, 7));
   } else {
-    simd::store<Real, 4>(first, p);
+    store<Real, 4>(first, p);
   }
 }
 /// Lanes i, j, k and l of each four, where 0 to 3 are those of a and 4 to 7 those of b.
@@ -137,9 +151,9 @@ void keep_first_four(Pack& p) {
 /// a third of the time of gather loads. Rows, or halves of them, are loaded into the lanes where
 /// they are needed, because a processor shuffles registers at half the rate of such loads.
 template <class Real, int N, class From>
-[[gnu::always_inline]] inline void columns_from(From&& from, simd::Pack<Real, N> (&to)[4]) {
+[[gnu::always_inline]] inline void columns_from(From&& from, Pack<Real, N> (&to)[4]) {
   static_assert(N == 2 || N == 4 || N == 8);
-  using Part = typename simd::UnalignedPackOf<Real, N == 8 ? 4 : 2>::type;
+  using Part = typename UnalignedPackOf<Real, N == 8 ? 4 : 2>::type;
   const auto part = [&](int row, int k) -> const Part& {
     return *reinterpret_cast<const Part*>(from(row) + k);
   };
@@ -156,10 +170,10 @@ template <class Real, int N, class From>
       to[k + 1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
     }
   } else if constexpr (N == 8) {
-    const auto rows = [&](int lower, int upper, simd::Pack<Real, 8>& both) {
+    const auto rows = [&](int lower, int upper, Pack<Real, 8>& both) {
       both = __builtin_shufflevector(part(lower, 0), part(upper, 0), 0, 1, 2, 3, 4, 5, 6, 7);
     };
-    simd::Pack<Real, 8> a, b, c, d;
+    Pack<Real, 8> a, b, c, d;
     rows(0, 2, a);
     rows(1, 3, b);
     rows(4, 6, c);
@@ -178,13 +192,13 @@ template <class Real, int N, class From>
 /// Transposes four columns into four numbers of each of eight rows, `stride` Reals apart.
 template <class Real>
 [[gnu::always_inline]] inline void rows_from(const Real (*from)[8], Real* to, int stride) {
-  if constexpr (simd::lanes<Real> >= 8) {
-    using Eight = simd::Pack<Real, 8>;
-    const auto column = [=](int k) { return simd::load<Real, 8>(from[k]); };
+  if constexpr (lanes<Real> >= 8) {
+    using Eight = Pack<Real, 8>;
+    const auto column = [=](int k) { return load<Real, 8>(from[k]); };
     const auto put_two = [&](int row, const Eight& rows) {
       Real* const numbers = to + row * stride;
-      simd::store<Real, 4>(numbers, __builtin_shufflevector(rows, rows, 0, 1, 2, 3));
-      simd::store<Real, 4>(numbers + 4 * stride, __builtin_shufflevector(rows, rows, 4, 5, 6, 7));
+      store<Real, 4>(numbers, __builtin_shufflevector(rows, rows, 0, 1, 2, 3));
+      store<Real, 4>(numbers + 4 * stride, __builtin_shufflevector(rows, rows, 4, 5, 6, 7));
     };
     const Eight a = column(0), b = column(1), c = column(2), d = column(3);
     const Eight a_b_even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
@@ -198,14 +212,16 @@ template <class Real>
   } else {
     for (int lane = 0; lane < 8; lane += 2) {
       for (int k = 0; k < 4; k += 2) {
-        const auto a = simd::load<Real, 2>(from[k] + lane);
-        const auto b = simd::load<Real, 2>(from[k + 1] + lane);
+        const auto a = load<Real, 2>(from[k] + lane);
+        const auto b = load<Real, 2>(from[k + 1] + lane);
         Real* const numbers = to + lane * stride + k;
-        simd::store<Real, 2>(numbers, __builtin_shufflevector(a, b, 0, 2));
-        simd::store<Real, 2>(numbers + stride, __builtin_shufflevector(a, b, 1, 3));
+        store<Real, 2>(numbers, __builtin_shufflevector(a, b, 0, 2));
+        store<Real, 2>(numbers + stride, __builtin_shufflevector(a, b, 1, 3));
       }
     }
   }
 }
 
-}  // namespace silt
+}  // namespace silt::simd::SILT_INSTRUCTION_SET
+
+#endif

@@ -18,8 +18,13 @@
 // not fuse either (-ffp-contract=off).
 //
 // SILT_NO_INTRINSICS selects the portable code on every processor, for tests.
-#pragma once
+//
+// Included once for each instruction set, see each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_CORE_SIMD
+#define SILT_CORE_SIMD
 
+#include <silt/core/instruction_set.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -29,34 +34,53 @@
 #include <cstdint>
 #include <type_traits>
 
-#if !defined(SILT_NO_INTRINSICS)
-#if defined(__AVX512F__) && defined(__AVX512VL__) && defined(__AVX512DQ__)
-#define SILT_AVX512
-#elif defined(__AVX2__)
-#define SILT_AVX2
-#elif defined(__SSE2__)
-#define SILT_SSE2
-#endif
-#if defined(SILT_AVX512) || defined(SILT_AVX2) || defined(SILT_SSE2)
+#if SILT_LEVEL_OF_FLAGS > 0
 #include <immintrin.h>
-#endif
-#endif
-
-// GCC warns that packs wider than a register are passed in memory; these functions are inlined.
-#if defined(__GNUC__)
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 
 namespace silt::simd {
 
-#if defined(SILT_AVX512)
-inline constexpr int width = 64;  ///< of a register [bytes]
-#elif defined(SILT_AVX2)
-inline constexpr int width = 32;  ///< of a register [bytes]
-#else
-inline constexpr int width = 16;  ///< of a register [bytes]
+/// Number of lanes of type T in the widest register of all instruction sets: code that reads or
+/// writes whole registers needs so much memory beyond the last value.
+template <class T>
+inline constexpr int most_lanes = 64 / static_cast<int>(sizeof(T));
+
+/// Coordinates as columns: x[k][s] is coordinate k of point s.
+template <int Dim, class Real>
+using Columns = std::array<const Real*, Dim>;
+
+/// For each mask, the source lane of each destination lane, one byte each.
+inline constexpr std::array<std::uint64_t, 256> compressing_shuffles = [] {
+  std::array<std::uint64_t, 256> table{};
+  for (unsigned mask = 0; mask < 256; ++mask) {
+    unsigned to = 0;
+    for (unsigned lane = 0; lane < 8; ++lane) {
+      if (mask >> lane & 1u) table[mask] |= std::uint64_t{lane} << (8 * to++);
+    }
+  }
+  return table;
+}();
+
+}  // namespace silt::simd
+
+#define SILT_KERNELS <silt/core/simd.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+namespace silt {
+namespace simd {
+using namespace SILT_ISA_OF_FLAGS;
+}
+/// Four numbers.
+template <class Real>
+using Four = typename simd::PackOf<Real, 4>::type;
+}  // namespace silt
 #endif
+#else
+
+namespace silt::simd::SILT_INSTRUCTION_SET {
+
+/// Of a register [bytes].
+inline constexpr int width = SILT_LEVEL == 3 ? 64 : SILT_LEVEL == 2 ? 32 : 16;
 
 /// Number of lanes of type T in a register.
 template <class T>
@@ -95,13 +119,13 @@ void store(T* to, const Pack<T, N>& pack) {
 /// {from[0], from[1], from[2], 0}; the number after the three is not read.
 template <class T>
 void load_three(const T* from, Pack<T, 4>& to) {
-#if defined(SILT_AVX512)
+#if SILT_LEVEL == 3
   if constexpr (std::is_same_v<T, double>) {
     to = (Pack<T, 4>)_mm256_maskz_loadu_pd(7, from);
   } else {
     to = (Pack<T, 4>)_mm_maskz_loadu_ps(7, from);
   }
-#elif defined(SILT_AVX2)
+#elif SILT_LEVEL == 2
   if constexpr (std::is_same_v<T, double>) {
     to = (Pack<T, 4>)_mm256_maskload_pd(from, _mm256_setr_epi64x(-1, -1, -1, 0));
   } else {
@@ -112,10 +136,11 @@ void load_three(const T* from, Pack<T, 4>& to) {
 #endif
 }
 
-/// {from[0], …, from[3]}; by reference, because how a pack is returned depends on the processor flags.
-template <class T, class F>
-void load_four(const T* from, F& to) {
-  to = *reinterpret_cast<const typename UnalignedPackOf<T, 4>::type*>(from);
+/// Reads as many numbers as there are in a pack; by reference, because how a pack is returned
+/// depends on the processor flags.
+template <class T, class P>
+void load_pack(const T* from, P& to) {
+  to = *reinterpret_cast<const typename UnalignedPackOf<T, sizeof(P) / sizeof(T)>::type*>(from);
 }
 
 /// The value in all lanes.
@@ -134,19 +159,19 @@ Pack<T, N> abs(const Pack<T, N>& a) {
 /// √a in each lane.
 template <class T, int N = lanes<T>>
 Pack<T, N> square_root(const Pack<T, N>& a) {
-#if defined(SILT_AVX512) || defined(SILT_AVX2)
+#if SILT_LEVEL >= 2
   if constexpr (std::is_same_v<T, float> && N == 8) {
     return (Pack<T, N>)_mm256_sqrt_ps((__m256)a);
   } else if constexpr (std::is_same_v<T, double> && N == 4) {
     return (Pack<T, N>)_mm256_sqrt_pd((__m256d)a);
   } else
 #endif
-#if defined(SILT_AVX512)
+#if SILT_LEVEL == 3
       if constexpr (std::is_same_v<T, double> && N == 8) {
     return (Pack<T, N>)_mm512_maskz_sqrt_pd(0xff, (__m512d)a);
   } else
 #endif
-#if defined(SILT_SSE2)
+#if SILT_LEVEL == 1
       if constexpr (std::is_same_v<T, double> && N == 2) {
     return (Pack<T, N>)_mm_sqrt_pd((__m128d)a);
   } else
@@ -171,7 +196,7 @@ Pack<std::uint32_t, N> count_from(Index from) {
 /// into two halves.)
 template <class T>
 void load_floats(const float* from, Pack<T, 4>& to) {
-#if defined(SILT_AVX512) || defined(SILT_AVX2)
+#if SILT_LEVEL >= 2
   if constexpr (std::is_same_v<T, double>) {
     to = (Pack<T, 4>)_mm256_cvtps_pd(_mm_loadu_ps(from));
   } else
@@ -183,7 +208,7 @@ void load_floats(const float* from, Pack<T, 4>& to) {
 
 /// sum += a x in four lanes. (g++ 12 splits the built-in conversion into two halves.)
 inline void add_products(const float* a, const double* x, Pack<double, 4>& sum) {
-#if defined(SILT_AVX512) || defined(SILT_AVX2)
+#if SILT_LEVEL >= 2
   sum += (Pack<double, 4>)_mm256_cvtps_pd(_mm_loadu_ps(a)) * (Pack<double, 4>)_mm256_loadu_pd(x);
 #else
   for (int k = 0; k < 4; ++k) sum[k] += double(a[k]) * x[k];
@@ -199,7 +224,7 @@ Mask first_lanes(Index count) {
 /// Mask of the lanes in which a < b.
 template <class T, int N = lanes<T>>
 Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
-#if defined(SILT_AVX512)
+#if SILT_LEVEL == 3
   if constexpr (std::is_same_v<T, float> && N == 16) {
     return _mm512_cmp_ps_mask((__m512)a, (__m512)b, _CMP_LT_OQ);
   } else if constexpr (std::is_same_v<T, float> && N == 8) {
@@ -207,7 +232,7 @@ Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
   } else if constexpr (std::is_same_v<T, double> && N == 8) {
     return _mm512_cmp_pd_mask((__m512d)a, (__m512d)b, _CMP_LT_OQ);
   } else
-#elif defined(SILT_AVX2)
+#elif SILT_LEVEL == 2
   if constexpr (std::is_same_v<T, float> && N == 8) {
     return static_cast<Mask>(_mm256_movemask_ps((__m256)(a < b)));
   } else if constexpr (std::is_same_v<T, float> && N == 4) {
@@ -215,7 +240,7 @@ Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
   } else if constexpr (std::is_same_v<T, double> && N == 4) {
     return static_cast<Mask>(_mm256_movemask_pd((__m256d)(a < b)));
   } else
-#elif defined(SILT_SSE2)
+#elif SILT_LEVEL == 1
   if constexpr (std::is_same_v<T, double> && N == 2) {
     return static_cast<Mask>(_mm_movemask_pd((__m128d)(a < b)));
   } else
@@ -230,7 +255,7 @@ Mask less(const Pack<T, N>& a, const Pack<T, N>& b) {
 /// a in the lanes of the mask, b in the others.
 template <class T, int N = lanes<T>>
 Pack<T, N> select(Mask mask, const Pack<T, N>& a, const Pack<T, N>& b) {
-#if defined(SILT_AVX512)
+#if SILT_LEVEL == 3
   if constexpr (std::is_same_v<T, double> && N == 8) {
     return (Pack<T, N>)_mm512_mask_blend_pd(static_cast<__mmask8>(mask), (__m512d)b, (__m512d)a);
   } else
@@ -248,13 +273,13 @@ Pack<T, N> select(Mask mask, const Pack<T, N>& a, const Pack<T, N>& b) {
 /// Mask of the lanes in which a ≠ b.
 template <int N>
 Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
-#if defined(SILT_AVX512)
+#if SILT_LEVEL == 3
   if constexpr (N == 16) {
     return _mm512_cmpneq_epi32_mask((__m512i)a, _mm512_set1_epi32(static_cast<int>(b)));
   } else if constexpr (N == 8) {
     return _mm256_cmpneq_epi32_mask((__m256i)a, _mm256_set1_epi32(static_cast<int>(b)));
   } else
-#elif defined(SILT_AVX2)
+#elif SILT_LEVEL == 2
   if constexpr (N == 8) {
     return 0xff & ~static_cast<Mask>(_mm256_movemask_ps((__m256)(a == b)));
   } else if constexpr (N == 4) {
@@ -268,26 +293,12 @@ Mask differs(const Pack<std::uint32_t, N>& a, std::uint32_t b) {
   }
 }
 
-#if defined(SILT_AVX2)
-/// For each mask, the source lane of each destination lane, one byte each.
-inline constexpr std::array<std::uint64_t, 256> compressing_shuffles = [] {
-  std::array<std::uint64_t, 256> table{};
-  for (unsigned mask = 0; mask < 256; ++mask) {
-    unsigned to = 0;
-    for (unsigned lane = 0; lane < 8; ++lane) {
-      if (mask >> lane & 1u) table[mask] |= std::uint64_t{lane} << (8 * to++);
-    }
-  }
-  return table;
-}();
-#endif
-
 /// Writes the lanes of the mask to `to`, in order, and returns their number. The remaining elements
 /// of `to`, up to N in total, are overwritten.
 template <class T, int N = lanes<T>>
 Index compress(T* to, const Pack<T, N>& values, Mask mask) {
   static_assert(sizeof(T) == 4);
-#if defined(SILT_AVX512)
+#if SILT_LEVEL == 3
   if constexpr (N == 16) {
     const __m512i chosen =
         _mm512_maskz_compress_epi32(static_cast<__mmask16>(mask), (__m512i)values);
@@ -297,7 +308,7 @@ Index compress(T* to, const Pack<T, N>& values, Mask mask) {
         _mm256_maskz_compress_epi32(static_cast<__mmask8>(mask), (__m256i)values);
     _mm256_storeu_si256(reinterpret_cast<__m256i*>(to), chosen);
   } else
-#elif defined(SILT_AVX2)
+#elif SILT_LEVEL == 2
   if constexpr (N == 8 || N == 4) {
     const __m128i bytes = _mm_cvtsi64_si128(static_cast<long long>(compressing_shuffles[mask]));
     const __m256i shuffle = _mm256_cvtepu8_epi32(bytes);
@@ -337,10 +348,6 @@ Index compress(T* to, const T* values, Mask mask) {
   }
 }
 
-/// Coordinates as columns: x[k][s] is coordinate k of point s.
-template <int Dim, class Real>
-using Columns = std::array<const Real*, Dim>;
-
 /// Writes the items of all points s in [first, last) that lie within √reach of the centre to `to`,
 /// in order, except the item `own`, and returns the end of what was written. item(s) returns the
 /// items of N points from s on. Reads the columns and overwrites `to` up to one register beyond the
@@ -370,14 +377,6 @@ std::uint32_t* compress_near(const std::array<const Real*, Dim>& x, Index first,
   return to;
 }
 
-}  // namespace silt::simd
+}  // namespace silt::simd::SILT_INSTRUCTION_SET
 
-namespace silt {
-/// Four numbers.
-template <class Real>
-using Four = simd::Pack<Real, 4>;
-}  // namespace silt
-
-#if defined(__GNUC__)
-#pragma GCC diagnostic pop
 #endif

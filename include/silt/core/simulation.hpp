@@ -43,8 +43,8 @@ class Simulation {
   using TypedInteraction = ForParticles<I, P>;
 
  public:
-  /// Throws if the search radius was given and is smaller than the interaction range, or if the
-  /// compiler may reorder sums.
+  /// Throws if the search radius was given and is smaller than the interaction range, if the compiler
+  /// may reorder sums, or as instruction_set().
   Simulation(P particles, S search, I interaction, T integrator)
       : particles_(std::move(particles)),
         search_(std::move(search)),
@@ -52,6 +52,7 @@ class Simulation {
         integrator_(std::move(integrator)),
         chooses_radius_(!(search_.radius() > 0)) {
     detail::require_ordered_sums();
+    instruction_set();
     const detail::Team team(thread_choice_, particles_.size());
     const Largest before = prepare();
     Processes::together(particles_, [&] {

@@ -9,8 +9,6 @@ namespace silt {
 
 /// No damping: undamped leapfrog, [SahChoi2004] (17), (18).
 struct NoDamping {
-  static constexpr bool accepts_packs = true;  // see Damping in core/concepts.hpp
-
   template <class Value, class Real>
   Value kicked(const Value& v, const Value& acceleration, Real dt) const {
     return v + dt * acceleration;
@@ -24,8 +22,6 @@ struct NoDamping {
 
 /// C = α m, C* = α I, [SahChoi2004] (31)–(33).
 struct GlobalDamping {
-  static constexpr bool accepts_packs = true;  // see Damping in core/concepts.hpp
-
   double alpha = 0;  ///< α: decay rate of the velocity of a free particle [1/s]; 0: none
 
   /// Throws if alpha is negative or not finite.

@@ -17,6 +17,7 @@
 
 #include <concepts>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 namespace silt {
@@ -76,10 +77,7 @@ class Leapfrog {
     // The time between the half steps; dt if the time step is constant.
     const double between_half_steps = (last_time_step_ + dt) / 2;
 
-    const auto kick_and_drift = [=, damping = damping_](const MotionOf<P>& motion, auto& particle) {
-      motion.kick(particle, damping, between_half_steps);
-      motion.drift(particle, dt);
-    };
+    const std::tuple kick_and_drift{detail::Kick{damping_, between_half_steps}, detail::Drift{dt}};
     const bool is_valid =
         advance(particles, search, interaction, dt, detail::UpdateOfRange<P>(kick_and_drift));
     // Not before: interactions that check masses, such as contacts, tell more. And not in every
@@ -94,10 +92,7 @@ class Leapfrog {
   /// the first step they are at N already, and only the forces are evaluated.
   template <class P, class S, class I>
   void synchronise(P& particles, S& search, I& interaction) {
-    const auto kick_to_mean = [dt = last_time_step_, damping = damping_](const MotionOf<P>& motion,
-                                                                         auto& particle) {
-      motion.kick_to_mean(particle, damping, dt);
-    };
+    const std::tuple kick_to_mean{detail::KickToMean{damping_, last_time_step_}};
     set_last_time_step(interaction, last_time_step_);
     advance(particles, search, interaction, last_time_step_,
             detail::UpdateOfRange<P>(kick_to_mean));
@@ -125,11 +120,11 @@ class Leapfrog {
   bool advance(P& particles, S& search, I& interaction, double dt,
                const detail::UpdateOfRange<P>& update) {
     if (needs_search(interaction, particles)) search.update(particles);
-    const MotionOf<P> motion(particles);
+    const detail::FieldsOfMotion<P> fields(particles);
     detail::OutcomeOfStep<P> outcome(particles.size());
     const auto clear_forces = [&](Index first, Index last) { clear(particles, first, last); };
     const auto move = [&](Index first, Index last) {
-      outcome.add(first, update(motion, first, last));
+      outcome.add(first, update(fields, first, last));
     };
     if constexpr (AcceleratesInPass<I, P, S>) {
       // Otherwise contacts of a range would see others that have moved.
@@ -156,9 +151,7 @@ class Leapfrog {
     last_time_step_ = dt;
     started_ = true;
     I trial = interaction;  // a copy: the contact histories must not advance
-    const auto step_back = [=, damping = damping_](const MotionOf<P>& motion, auto& particle) {
-      motion.step_back(particle, damping, dt);
-    };
+    const std::tuple step_back{detail::StepBack{damping_, dt}};
     advance(particles, search, trial, dt, detail::UpdateOfRange<P>(step_back));
     detail::refresh_halo(particles);
   }

@@ -6,26 +6,25 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/types.hpp>
-#include <silt/integrate/motion.hpp>
+#include <silt/integrate/update_of_range.hpp>
 
 #include <algorithm>
 #include <cstddef>
+#include <tuple>
 
 namespace silt {
 
 namespace detail {
-// Calls change(motion, state) for every particle, in place.
+// Changes every particle in place.
 template <class P, class Change>
-void change_motion(P& particles, Change&& change) {
+void change_motion(P& particles, const Change& change) {
   particles.for_each_field([&]<class F>(auto, F field) {
     if constexpr (role_of<F>() == Role::state) particles.keep(field);
   });
-  const MotionOf<P> motion(particles);
-  for_each(particles.size(), [&](Index i) {
-    auto state = motion.load(i, i + 1);
-    change(motion, state);
-    motion.store(i, i + 1, state);
-  });
+  const FieldsOfMotion<P> fields(particles);
+  const std::tuple changes{change};
+  const UpdateOfRange<P> update(changes);
+  for_each_range(particles.size(), [&](Index first, Index last) { update(fields, first, last); });
 }
 }  // namespace detail
 
@@ -57,16 +56,13 @@ void clear(P& particles) {
 /// v^{N−½} → v^{N+½} (32) and, if the particles rotate, θ'^{N−½} → θ'^{N+½} (33); Δt in [s].
 template <class P, class D>
 void kick(P& particles, const D& damping, double time_step) {
-  detail::change_motion(particles, [&](const auto& motion, auto& particle) {
-    motion.kick(particle, damping, time_step);
-  });
+  detail::change_motion(particles, detail::Kick{damping, time_step});
 }
 
 /// x^{N+1} = x^N + v^{N+½} Δt,  θ^{N+1} = θ^N + θ'^{N+½} Δt        (19)
 template <class P>
 void drift(P& particles, double time_step) {
-  detail::change_motion(
-      particles, [&](const auto& motion, auto& particle) { motion.drift(particle, time_step); });
+  detail::change_motion(particles, detail::Drift{time_step});
 }
 
 }  // namespace silt

@@ -105,9 +105,8 @@ class MotionInColumns {
     }
   }
 
-  /// change(velocity, acceleration) for each component of the velocity and spin; D is that of
-  /// MotionInRows.
-  template <class D, class Change>
+  /// change(velocity, acceleration) for each component of the velocity and spin.
+  template <class Change>
   [[gnu::always_inline]] static void change_velocities(State& p, Change&& change) {
     for (int k = 0; k < Dim; ++k) change(p.v[k], p.a[k]);
     if constexpr (rotates) {
@@ -131,32 +130,27 @@ class MotionInColumns {
     }
   }
 
-  /// Only for particles in rows of four, such as grains: compilers do not vectorise a sum.
-  static constexpr bool knows_energy = in_rows_of_four<P>();
-  /// Sums of twice the kinetic energy [J], `before` the step and `after` it.
-  struct Energies {
-    Real before = 0;  ///< without rotation
-    Real after = 0;
-  };
-  /// A member of Energies as one number [J].
-  static double sum_of(Real energy) { return double(energy); }
-
   /// What a step did to particles.
   class Outcome {
    public:
     /// Whether all of them have finite fields and a position within the box; may also be false if
     /// values are extremely large.
     bool is_valid(const MotionInColumns&) const {
-      return broken_ == 0 && is_finite(energies_.after) && is_finite(displacements_);
+      return broken_ == 0 && is_finite(after_) && is_finite(displacements_);
     }
     /// The maximum [m²].
     Real squared_displacement() const { return std::bit_cast<Real>(farthest_); }
-    /// The round-off depends on the order of the particles.
-    const Energies& energies() const { return energies_; }
+    /// Sums of twice the kinetic energy [J], if it is known: before the step, in 3D without
+    /// rotation, and after it.
+    /// The round-off depends on the order of the particles and on the instruction set.
+    double energy_before() const { return double(before_); }
+    /// See energy_before().
+    double energy_after() const { return double(after_); }
 
    private:
     friend MotionInColumns;
-    Energies energies_;
+    Real before_ = 0;
+    Real after_ = 0;
     Real displacements_ = 0;  // sum of their squares [m²]
     int broken_ = 0;          // an int, because g++ 12 does not vectorise with a bool
     // Bits of non-negative numbers compare as the numbers do; unlike the maximum of Reals, the
@@ -164,8 +158,12 @@ class MotionInColumns {
     std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t> farthest_ = 0;
   };
   /// A particle before the step.
-  [[gnu::always_inline]] void begin(Outcome& outcome, const State& p) const {
-    if constexpr (knows_energy) outcome.energies_.before += p.m * squared(p.v);
+  [[gnu::always_inline]] void begin([[maybe_unused]] Outcome& outcome,
+                                    [[maybe_unused]] const State& p) const {
+    if constexpr (knows_energy) {
+      outcome.before_ += p.m * squared(p.v);
+      if constexpr (Dim == 2) outcome.before_ += p.inertia * squared(p.w);
+    }
   }
   /// The same particle after it.
   [[gnu::always_inline]] void end(Outcome& outcome, const State& p) const {
@@ -175,7 +173,7 @@ class MotionInColumns {
     }
     outcome.broken_ |= !inside;
     if constexpr (knows_energy) {
-      outcome.energies_.after += p.m * squared(p.v) + p.inertia * squared(p.w);
+      outcome.after_ += p.m * squared(p.v) + p.inertia * squared(p.w);
       outcome.displacements_ += p.squared_displacement;
       if constexpr (has_angle) {
         for (int k = 0; k < angular; ++k) outcome.displacements_ += p.angle[k] - p.angle[k];
@@ -196,6 +194,9 @@ class MotionInColumns {
   }
 
  private:
+  // Only for particles in rows of four, such as grains: compilers do not vectorise a sum.
+  static constexpr bool knows_energy = in_rows_of_four<P>();
+
   template <int n>
   [[gnu::always_inline]] static Real squared(const Real (&v)[n]) {
     Real sum = v[0] * v[0];

@@ -172,7 +172,7 @@ class BinSort {
   // SIMD code may read item_of_ up to one register beyond its end.
   void resize() {
     slot_of_.resize(size());
-    item_of_.resize(size() + simd::lanes<std::uint32_t>);
+    item_of_.resize(size() + simd::most_lanes<std::uint32_t>);
   }
 
   Buffer<std::uint32_t> bin_;

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Positions of the particles at the last update of a search, and displacements since. Failed steps
 // can be rolled back.
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_SEARCH_LAST_POSITIONS
+#define SILT_SEARCH_LAST_POSITIONS
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/fields.hpp>
@@ -20,7 +24,17 @@
 #include <span>
 #include <type_traits>
 
+#define SILT_KERNELS <silt/search/last_positions.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
 namespace silt {
+
+namespace detail {
+template <class Real, class Bits, class Squared>
+Bits largest_bits_of(const Squared& squared, Chunk chunk) {
+  return SILT_FOR_PROCESSOR(largest_bits<Real, Bits, Squared>)(squared, chunk);
+}
+}  // namespace detail
 
 /// Remembers positions, to find out how far particles have moved.
 template <int Dim, class RealType>
@@ -52,8 +66,8 @@ class LastPositions {
   }
 
   /// Begins an update: copies the positions of the particles, owned and of the halo, and returns
-  /// their maximum displacement [m] since the previous update. Copies nothing and returns nothing if
-  /// that was with other particles.
+  /// their maximum displacement [m] since the previous update. Copies nothing and returns nothing
+  /// if that was with other particles.
   template <class P>
   std::optional<Real> update_local(const P& particles) {
     const std::span<const Vec> before = keep_previous();
@@ -125,18 +139,10 @@ class LastPositions {
 
   // √ of the maximum of squared(i); infinity if one is NaN.
   template <class Squared>
-  Real max_root(Index n, Squared&& squared) {
-    // Bits of non-negative numbers compare as the numbers do, and those of NaN are the largest.
-    // Unlike the maximum of Reals, the maximum of bits is vectorised.
-    constexpr Bits without_sign = ~Bits(0) / 2;
+  Real max_root(Index n, const Squared& squared) {
     maxima_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {
-      Bits maximum = 0;
-      SILT_INDEPENDENT_ITERATIONS
-      for (Index i = chunk.first; i < chunk.last; ++i) {
-        maximum = std::max(maximum, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
-      }
-      maxima_[chunk.number] = maximum;
+      maxima_[chunk.number] = detail::largest_bits_of<Real, Bits>(squared, chunk);
     });
     if (maxima_.empty()) return 0;
     const auto maximum = std::bit_cast<Real>(*std::max_element(maxima_.begin(), maxima_.end()));
@@ -152,3 +158,26 @@ class LastPositions {
 };
 
 }  // namespace silt
+
+#endif
+#else
+
+namespace silt::detail::SILT_INSTRUCTION_SET {
+
+/// The maximum of squared(i) over a chunk, as bits: those of non-negative numbers compare as the
+/// numbers do, and those of NaN are the largest. Unlike the maximum of Reals, it is vectorised.
+template <class Real, class Bits, class Squared>
+[[gnu::flatten, gnu::noinline]] Bits largest_bits(const Squared& of, Chunk chunk) {
+  constexpr Bits without_sign = ~Bits(0) / 2;
+  const Squared squared = of;
+  Bits maximum = 0;
+  SILT_INDEPENDENT_ITERATIONS
+  for (Index i = chunk.first; i < chunk.last; ++i) {
+    maximum = std::max(maximum, std::bit_cast<Bits>(Real(squared(i))) & without_sign);
+  }
+  return maximum;
+}
+
+}  // namespace silt::detail::SILT_INSTRUCTION_SET
+
+#endif

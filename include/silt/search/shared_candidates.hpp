@@ -12,7 +12,11 @@
 // twice as many. At such distances the rounding error of a position is smaller than the tolerance
 // added to the radius. A candidate that passes the test is a neighbour, or is farther than the
 // radius by a rounding error.
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_SEARCH_SHARED_CANDIDATES
+#define SILT_SEARCH_SHARED_CANDIDATES
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/simd.hpp>
@@ -25,78 +29,157 @@
 
 namespace silt {
 
+namespace detail {
+/// The candidates of a block as columns, and what is needed to test them.
+template <int Dim, class Real>
+struct CandidateColumns {
+  simd::Columns<Dim, Real> x{};  // of all points, by slot
+  const std::uint32_t* items = nullptr;
+  Index first = 0;  // slots of the block
+  Index last = 0;
+  bool is_dense = false;
+  std::array<Real, Dim> origin{};  // centre of the block
+  std::array<float, Dim> half{};   // half its size
+  float reach = 0;                 // squared
+  Index own = 0;                   // index of the first slot of the block among the candidates
+  Index count = 0;
+  std::array<Buffer<float>, Dim> near_x;
+  Buffer<std::uint32_t> near_items;
+};
+}  // namespace detail
+
+}  // namespace silt
+
+#define SILT_KERNELS <silt/search/shared_candidates.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+namespace silt {
+
+namespace detail {
+/// Those of CandidatePacks for the instruction set.
+template <int Dim, class Real>
+struct CandidateFunctions {
+  using Data = CandidateColumns<Dim, Real>;
+  using Add = void(Data&, Index, Index);
+  using Near = std::uint32_t*(const Data&, Index, std::uint32_t*);
+
+  Add* add_all = SILT_FOR_PROCESSOR(CandidatePacks<Dim, Real>::add_all);
+  Add* add_close = SILT_FOR_PROCESSOR(CandidatePacks<Dim, Real>::add_close);
+  Near* near = SILT_FOR_PROCESSOR(CandidatePacks<Dim, Real>::template near<false>);
+  Near* near_forward = SILT_FOR_PROCESSOR(CandidatePacks<Dim, Real>::template near<true>);
+};
+}  // namespace detail
+
 /// The candidates of one block at a time.
 template <int Dim, class Real>
 class SharedCandidates {
+  using Data = detail::CandidateColumns<Dim, Real>;
+
  public:
   using Columns = simd::Columns<Dim, Real>;
 
   /// Begins a block with the slots [first, last) of the columns x, whose particles are `items`.
   void begin(const Columns& x, const std::uint32_t* items, Index first, Index last, Real reach) {
-    x_ = x;
-    items_ = items;
-    first_ = first;
-    last_ = last;
-    count_ = 0;
-    reach_ = static_cast<float>(squared(double(reach)) * (1 + 0x1p-15));
-    is_dense_ = last - first >= dense;
+    functions_ = {};  // chosen once for a block
+    data_.x = x;
+    data_.items = items;
+    data_.first = first;
+    data_.last = last;
+    data_.count = 0;
+    data_.reach = static_cast<float>(squared(double(reach)) * (1 + 0x1p-15));
+    data_.is_dense = last - first >= dense;
     for (std::size_t k = 0; k < Dim; ++k) {
       Real lower = x[k][first];
       Real upper = lower;
-      for (Index s = first + 1; is_dense_ && s < last; ++s) {
+      for (Index s = first + 1; data_.is_dense && s < last; ++s) {
         lower = std::min(lower, x[k][s]);
         upper = std::max(upper, x[k][s]);
       }
-      origin_[k] = lower + (upper - lower) / 2;
-      half_[k] = static_cast<float>(upper - lower) * (0.5f + 0x1p-20f);
+      data_.origin[k] = lower + (upper - lower) / 2;
+      data_.half[k] = static_cast<float>(upper - lower) * (0.5f + 0x1p-20f);
     }
   }
 
   /// Adds the slots [first, last) as candidates, or those that may be near. A range that overlaps
   /// with the block must contain it.
   void add(Index first, Index last) {
-    reserve(count_ + (last - first) + 2 * simd::lanes<float>);
-    if (!is_dense_) {
-      if (first <= first_ && first_ < last) own_ = count_ + (first_ - first);
-      add_all(first, last);
-    } else if (first <= first_ && first_ < last) {
-      add_close(first, first_);
-      own_ = count_;
-      add_close(first_, last);
+    reserve(data_.count + (last - first) + 2 * simd::most_lanes<float>);
+    const bool is_own = first <= data_.first && data_.first < last;
+    if (!data_.is_dense) {
+      if (is_own) data_.own = data_.count + (data_.first - first);
+      functions_.add_all(data_, first, last);
+    } else if (is_own) {
+      functions_.add_close(data_, first, data_.first);
+      data_.own = data_.count;
+      functions_.add_close(data_, data_.first, last);
     } else {
-      add_close(first, last);
+      functions_.add_close(data_, first, last);
     }
   }
 
   /// Ends the block: there are no more candidates.
   void end() {
     // The last register is completed with points that are not near.
-    constexpr int N = simd::lanes<float>;
-    reserve(count_ + N);
-    simd::store<float, N>(near_x_[0].data() + count_,
-                          simd::broadcast<float, N>(std::numeric_limits<float>::max()));
+    reserve(data_.count + simd::most_lanes<float>);
+    std::fill_n(data_.near_x[0].data() + data_.count, simd::most_lanes<float>,
+                std::numeric_limits<float>::max());
   }
 
-  Index size() const noexcept { return count_; }
+  Index size() const noexcept { return data_.count; }
 
   /// Writes the candidates near slot `slot` of the block, or only those after it (`forward`), to
   /// `to`, and returns their end. There must be space for all candidates and one more register.
   template <bool forward>
   std::uint32_t* near(Index slot, std::uint32_t* to) const {
+    return (forward ? functions_.near_forward : functions_.near)(data_, slot, to);
+  }
+
+ private:
+  // Number of particles from which testing the bounding box saves time.
+  static constexpr Index dense = 24;
+
+  void reserve(Index size) {
+    if (size <= data_.near_items.size()) return;
+    for (auto& x : data_.near_x) x.resize(2 * size);
+    data_.near_items.resize(2 * size);
+  }
+
+  Data data_;
+  detail::CandidateFunctions<Dim, Real> functions_;
+};
+
+}  // namespace silt
+
+#endif
+#else
+
+namespace silt::detail::SILT_INSTRUCTION_SET {
+namespace simd = silt::simd::SILT_INSTRUCTION_SET;
+
+/// The loops over the candidates; see SharedCandidates.
+template <int Dim, class Real>
+class CandidatePacks {
+  using Data = CandidateColumns<Dim, Real>;
+  static constexpr int lanes = simd::lanes<Real>;
+  using Lanes = simd::Pack<float, lanes>;
+
+ public:
+  template <bool forward>
+  static std::uint32_t* near(const Data& of, Index slot, std::uint32_t* to) {
     constexpr int N = simd::lanes<float>;
-    const Index own = own_ + (slot - first_);
-    const Index count = count_;
-    const std::uint32_t own_item = items_[slot];
-    const std::uint32_t* const items = near_items_.data();
+    const Index own = of.own + (slot - of.first);
+    const Index count = of.count;
+    const std::uint32_t own_item = of.items[slot];
+    const std::uint32_t* const items = of.near_items.data();
     std::array<const float*, Dim> x;
     struct {
       simd::Pack<float, N> x;
     } centre[Dim];
     for (std::size_t k = 0; k < Dim; ++k) {
-      x[k] = near_x_[k].data();
+      x[k] = of.near_x[k].data();
       centre[k].x = simd::broadcast<float, N>(x[k][own]);
     }
-    const auto limit = simd::broadcast<float, N>(reach_);
+    const auto limit = simd::broadcast<float, N>(of.reach);
     const auto is_near = [&](Index s) {
       simd::Pack<float, N> r2{};
       for (std::size_t k = 0; k < Dim; ++k) {
@@ -124,40 +207,30 @@ class SharedCandidates {
     return to;
   }
 
- private:
-  static constexpr int lanes = simd::lanes<Real>;
-  using Lanes = simd::Pack<float, lanes>;
-  // Number of particles from which testing the bounding box saves time.
-  static constexpr Index dense = 24;
-
-  Lanes relative(const Real* x, Real origin) const {
-    return __builtin_convertvector(simd::load(x) - origin, Lanes);
-  }
-
-  void add_all(Index first, Index last) {
-    const Columns x = x_;
-    const std::array<Real, Dim> origin = origin_;
-    std::uint32_t* const items = near_items_.data() + count_;
+  static void add_all(Data& of, Index first, Index last) {
+    const auto x = of.x;
+    const std::array<Real, Dim> origin = of.origin;
+    std::uint32_t* const items = of.near_items.data() + of.count;
     std::array<float*, Dim> to;
-    for (std::size_t k = 0; k < Dim; ++k) to[k] = near_x_[k].data() + count_;
+    for (std::size_t k = 0; k < Dim; ++k) to[k] = of.near_x[k].data() + of.count;
     for (Index s = first; s < last; s += lanes) {
       for (std::size_t k = 0; k < Dim; ++k) {
         simd::store<float, lanes>(to[k] + (s - first), relative(x[k] + s, origin[k]));
       }
       simd::store<std::uint32_t, lanes>(items + (s - first),
-                                        simd::load<std::uint32_t, lanes>(items_ + s));
+                                        simd::load<std::uint32_t, lanes>(of.items + s));
     }
-    count_ += last - first;
+    of.count += last - first;
   }
 
-  void add_close(Index first, Index last) {
-    const Columns x = x_;
-    const std::array<Real, Dim> origin = origin_;
-    const std::array<float, Dim> half = half_;
-    const auto limit = simd::broadcast<float, lanes>(reach_);
+  static void add_close(Data& of, Index first, Index last) {
+    const auto x = of.x;
+    const std::array<Real, Dim> origin = of.origin;
+    const std::array<float, Dim> half = of.half;
+    const auto limit = simd::broadcast<float, lanes>(of.reach);
     std::array<float*, Dim> to;
-    for (std::size_t k = 0; k < Dim; ++k) to[k] = near_x_[k].data();
-    Index count = count_;
+    for (std::size_t k = 0; k < Dim; ++k) to[k] = of.near_x[k].data();
+    Index count = of.count;
     for (Index s = first; s < last; s += lanes) {
       struct {
         Lanes x;
@@ -175,29 +248,17 @@ class SharedCandidates {
         simd::compress<float, lanes>(to[k] + count, offset[k].x, close);
       }
       count += simd::compress<std::uint32_t, lanes>(
-          near_items_.data() + count, simd::load<std::uint32_t, lanes>(items_ + s), close);
+          of.near_items.data() + count, simd::load<std::uint32_t, lanes>(of.items + s), close);
     }
-    count_ = count;
+    of.count = count;
   }
 
-  void reserve(Index size) {
-    if (size <= near_items_.size()) return;
-    for (auto& x : near_x_) x.resize(2 * size);
-    near_items_.resize(2 * size);
+ private:
+  static Lanes relative(const Real* x, Real origin) {
+    return __builtin_convertvector(simd::load(x) - origin, Lanes);
   }
-
-  Columns x_{};
-  const std::uint32_t* items_ = nullptr;
-  Index first_ = 0;
-  Index last_ = 0;
-  bool is_dense_ = false;
-  std::array<Real, Dim> origin_{};   // centre of the block
-  std::array<float, Dim> half_{};    // half its size
-  float reach_ = 0;                  // squared
-  Index own_ = 0;                    // index of the first slot of the block among the candidates
-  Index count_ = 0;
-  std::array<Buffer<float>, Dim> near_x_;
-  Buffer<std::uint32_t> near_items_;
 };
 
-}  // namespace silt
+}  // namespace silt::detail::SILT_INSTRUCTION_SET
+
+#endif

@@ -17,6 +17,7 @@
 #include <silt/search/cells.hpp>
 #include <silt/search/extent.hpp>
 #include <silt/search/points.hpp>
+#include <silt/search/slots_near.hpp>
 
 #include <algorithm>
 #include <array>
@@ -44,7 +45,7 @@ class SortedCells {
 
   /// The same, and copies the points [m] into their slots.
   void sort_and_copy(const Points& x, const Extent& extent, Real reach) {
-    for (auto& column : x_) column.resize(x.size() + simd::lanes<Real>);
+    for (auto& column : x_) column.resize(x.size() + simd::most_lanes<Real>);
     const auto copy = [&](Index item, Index slot) {
       const Vec point = x[item];
       for (std::size_t k = 0; k < Dim; ++k) x_[k][slot] = point[static_cast<int>(k)];
@@ -158,13 +159,11 @@ class SortedCells {
     }
 
     void collect(Index first, Index last) {
-      constexpr int N = simd::lanes<Real>;
-      const auto slots = [](Index s) { return simd::count_from<N>(s); };
       for (; first < last; first += piece) {
         if (count > capacity - piece) flush();
         const Index end = std::min(last, first + piece);
-        const auto* const end_of_near = simd::compress_near<N>(
-            x, first, end, centre, reach, slots, own, slots_near.data() + count);
+        const auto* const end_of_near =
+            find(x, first, end, centre, reach, own, slots_near.data() + count);
         count = static_cast<Index>(end_of_near - slots_near.data());
       }
     }
@@ -176,9 +175,10 @@ class SortedCells {
     simd::Columns<Dim, Real> x;
     std::uint32_t own;
     UseSlots use;
+    detail::SlotsNear<Dim, Real>* find = detail::slots_near<Dim, Real>();
     std::array<Real, Dim> centre;
     Real reach;
-    std::array<std::uint32_t, capacity + simd::lanes<Real>> slots_near;
+    std::array<std::uint32_t, capacity + simd::most_lanes<Real>> slots_near;
     Index count = 0;
   };
 

@@ -307,10 +307,10 @@ class UniformGrid {
     // Space for all rows at once takes less time, but in a crowd most of it would remain unused.
     const bool at_once = rows * candidates.size() <= largest_room;
     std::uint32_t* to =
-        row.room((at_once ? rows : Index{1}) * candidates.size() + simd::lanes<float>);
+        row.room((at_once ? rows : Index{1}) * candidates.size() + simd::most_lanes<float>);
     for (Index slot = first; slot < last; ++slot) {
       if (has_row(slot)) {
-        if (!at_once) to = row.room(candidates.size() + simd::lanes<float>);
+        if (!at_once) to = row.room(candidates.size() + simd::most_lanes<float>);
         std::uint32_t* const begin = to;
         to = forward ? candidates.template near<true>(slot, begin)
                      : candidates.template near<false>(slot, begin);

@@ -2,7 +2,11 @@
 // Evaluates the law for the contacts of a block of grains, in batches: the geometry of 16 groups of
 // eight contacts, then the law for all of them, then their results. One group after the other takes
 // half as long again, because the law reads what the geometry has just stored.
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_DEM_CONTACT_BLOCK_EVALUATOR
+#define SILT_DEM_CONTACT_BLOCK_EVALUATOR
 
 #include <silt/core/error.hpp>
 #include <silt/core/lane.hpp>
@@ -51,6 +55,117 @@ struct DeepOverlap {
        where);
 }
 
+/// What the evaluation of blocks needs. Refers to its arguments; Walls is a WallSet.
+template <class P, class Law, class Walls>
+struct BlockInput {
+  using Evaluation = detail::Evaluation<P, Law>;
+  using Lanes = typename Evaluation::Lanes;
+  using Histories = typename Evaluation::Histories;
+  using Results = ResultsTo<Lanes, Histories>;
+  using Real = typename P::Real;
+  using Grains = GrainRows<P::dimension, Real>;
+
+  /// `rows` as in the step of the evaluation.
+  BlockInput(const Evaluation& of, const Grains& rows, const Materials<Law>& laws,
+             const Walls& all_walls, const ContactSettings& settings)
+      : evaluation(of),
+        contacts(of.contacts()),
+        before(*of.before),
+        grains(rows),
+        materials(laws),
+        walls(all_walls),
+        walls_now(walls_in_law<P>(all_walls, of.step)),
+        times(of.step.template of_contacts<Real>()),
+        reduction_per_overlap(settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)),
+        max_overlap(Real(settings.max_overlap)) {
+    if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, new_history.data());
+  }
+
+  /// Whether a block with so many contacts that touch should be evaluated as a dense one.
+  bool is_dense(Index block, Index touching) const {
+    const ContactList::Range pairs = contacts.block(block).pairs;
+    return touching * 3 > pairs.last - pairs.first;
+  }
+
+  /// For laws that are not written for lanes, or that depend on the materials. Contact l is in lane
+  /// l if bit l of `touching` is set.
+  [[gnu::noinline]] void evaluate_one_by_one(Lanes& eight, const EightNumbers& numbers,
+                                             unsigned touching) const {
+    for (int lane = 0; lane < lanes; ++lane) {
+      if ((touching >> lane & 1) == 0) continue;
+      const Index c = numbers[static_cast<Index>(lane)];
+      eight.template evaluate<Real>(law_between(*evaluation.list, materials, walls, c), times,
+                                    lane);
+    }
+  }
+
+  /// The first contact in the lanes `refused` is too deep: throws.
+  template <bool of_walls>
+  [[noreturn, gnu::cold, gnu::noinline]] void refuse(const std::uint32_t* first,
+                                                     const std::uint32_t* second,
+                                                     unsigned refused) const {
+    const int lane = std::countr_zero(refused);
+    const Index i = ContactList::unscaled(first[lane]);
+    const Index other = ContactList::unscaled(second[lane]);
+    const Id id = contacts.id(i);
+    const Where where{.particle = i, .id = id};
+    const Real R = grains.radius_of(i);
+    const auto x = grains.position_of(i);
+    if constexpr (of_walls) {
+      refuse_overlap({.overlap = double(R - walls_now.nearest(other, x).distance),
+                      .radius = double(R),
+                      .max_overlap = double(max_overlap)},
+                     message_of({"grain ", id, " and wall ", walls_now.number_of(other)}), where);
+    } else {
+      const NearestImage<P::dimension, Real> image(evaluation.box);
+      const Real R_j = grains.radius_of(other);
+      const Real distance = image(grains.position_of(other) - x).norm();
+      refuse_overlap({.overlap = double(R + R_j - distance),
+                      .radius = double(std::min(R, R_j)),
+                      .max_overlap = double(max_overlap),
+                      .has_normal = distance > std::numeric_limits<Real>::epsilon() * (R + R_j)},
+                     message_of({"grains ", id, " and ", contacts.id(other)}), where);
+    }
+  }
+
+  const Evaluation& evaluation;
+  const ContactList& contacts;
+  const Histories& before;
+  Grains grains;
+  const Materials<Law>& materials;
+  const Walls& walls;
+  decltype(walls_in_law<P>(std::declval<const Walls&>(), StepTime{})) walls_now;
+  ContactTimes<Real> times;
+  /// Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is twice
+  /// as large.
+  Real reduction_per_overlap;
+  Real max_overlap;                                              ///< see ContactSettings
+  std::array<Real, std::max(Lanes::words, 1)> new_history = {};  ///< of a new contact
+};
+
+}  // namespace silt::dem::detail
+
+#define SILT_KERNELS <silt/dem/contact/block_evaluator.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+namespace silt::dem::detail {
+
+/// Evaluates the contacts of a block; returns how many of them touch. If it is dense, contacts that
+/// do not touch are evaluated, too; the results are the same.
+template <class P, class Law, class Walls>
+Index evaluate_block(const BlockInput<P, Law, Walls>& input, Index block, bool is_dense,
+                     const typename BlockInput<P, Law, Walls>::Results& to) {
+  return SILT_FOR_PROCESSOR(evaluate_block<P, Law, Walls>)(input, block, is_dense, to);
+}
+
+}  // namespace silt::dem::detail
+
+#endif
+#else
+
+namespace silt::dem::detail::SILT_INSTRUCTION_SET {
+namespace simd = silt::simd::SILT_INSTRUCTION_SET;
+
 /// Goes through the contacts of a block, group by group, and passes what the law returns for those
 /// that touch to a ContactResults:
 ///
@@ -64,12 +179,13 @@ struct DeepOverlap {
 /// same.
 template <class P, class Law, class Walls>
 class BlockEvaluator {
-  using Evaluation = detail::Evaluation<P, Law>;
-  using Lanes = typename Evaluation::Lanes;
+  using Input = BlockInput<P, Law, Walls>;
+  using Lanes = typename Input::Lanes;
+  using Histories = typename Input::Histories;
   using Real = typename P::Real;
   static constexpr int dimension = P::dimension;
   using Vec = typename P::Vec;
-  using Grains = GrainRows<dimension, Real>;
+  using Grains = GrainPacks<dimension, Real>;
   // Pairs or walls of a block: those that are left, and the last ones that touch, until there are
   // eight. Twice as many, because those of a further group are added before eight are removed.
   struct Collection {
@@ -83,26 +199,10 @@ class BlockEvaluator {
   };
 
  public:
-  using Histories = typename Evaluation::Histories;
   using Results = ContactResults<Lanes, Histories>;
 
-  /// `grains` as in the step of the evaluation.
-  BlockEvaluator(const Evaluation& evaluation, const Grains& grains,
-                 const Materials<Law>& materials, const Walls& walls,
-                 const ContactSettings& settings)
-      : evaluation_(evaluation),
-        contacts_(evaluation.contacts()),
-        before_(*evaluation.before),
-        grains_(grains),
-        image_(evaluation.box),
-        materials_(materials),
-        walls_(walls),
-        walls_now_(walls_in_law<P>(walls, evaluation.step)),
-        times_(evaluation.step.template of_contacts<Real>()),
-        reduction_per_overlap_(settings.lever_arm == LeverArm::radius ? Real(0) : Real(0.5)),
-        max_overlap_(Real(settings.max_overlap)) {
-    if constexpr (Lanes::words > 0) Histories::LawHistory::put({}, new_history_.data());
-  }
+  explicit BlockEvaluator(const Input& input)
+      : in_(input), grains_(input.grains), image_(input.evaluation.box) {}
 
   /// Groups of contacts whose law is evaluated together.
   class Batch {
@@ -135,7 +235,7 @@ class BlockEvaluator {
 
   /// All contacts of a block.
   Remaining contacts_of(Index block, bool is_dense) const {
-    return {contacts_.block(block), is_dense};
+    return {in_.contacts.block(block), is_dense};
   }
   /// Fills a batch with the next contacts that touch; returns false if there are none.
   [[gnu::noinline]] bool fill(Batch& batch, Remaining& of, Results& results) const {
@@ -159,11 +259,11 @@ class BlockEvaluator {
         load_histories(batch.contacts_[e], batch.lanes_[e]);
       }
     }
-    if (LawInLanes<Law, dimension, Real> && materials_.count() == 1) {
+    if (LawInLanes<Law, dimension, Real> && in_.materials.count() == 1) {
       if constexpr (LawInLanes<Law, dimension, Real>) {
         // Copies that no store below can change.
-        const Law law = materials_.between(0, 0);
-        const ContactTimes<Real> times = times_;
+        const Law law = in_.materials.between(0, 0);
+        const ContactTimes<Real> times = in_.times;
         for (Index e = 0; e < count; ++e) {
           Lanes& eight = batch.lanes_[e];
           SILT_INDEPENDENT_ITERATIONS
@@ -173,7 +273,9 @@ class BlockEvaluator {
         }
       }
     } else {
-      evaluate_one_by_one(batch);
+      for (Index e = 0; e < count; ++e) {
+        in_.evaluate_one_by_one(batch.lanes_[e], batch.contacts_[e], batch.touching_[e]);
+      }
     }
     for (Index e = 0; e < count; ++e) {
       if (batch.group_[e] != collected) {
@@ -184,11 +286,6 @@ class BlockEvaluator {
       }
     }
   }
-  /// Whether a block with so many contacts that touch should be evaluated as a dense one.
-  bool is_dense(Index block, Index touching) const {
-    const ContactList::Range pairs = contacts_.block(block).pairs;
-    return touching * 3 > pairs.last - pairs.first;
-  }
 
  private:
   static constexpr std::uint32_t collected = ~std::uint32_t(0);
@@ -197,8 +294,8 @@ class BlockEvaluator {
     const auto [begin, last] = of.pairs_.left;
     Index c = begin;
     for (; c < last && !batch.is_full(); c += lanes) {
-      const std::uint32_t* const first = contacts_.first_of_group(c);
-      const std::uint32_t* const second = contacts_.second_of_group(c);
+      const std::uint32_t* const first = in_.contacts.first_of_group(c);
+      const std::uint32_t* const second = in_.contacts.second_of_group(c);
       Lanes& next = batch.lanes_[batch.count_];
       ContactGeometry<Lanes> geometry;
       const unsigned touching =
@@ -218,8 +315,8 @@ class BlockEvaluator {
     const Index last = collection.left.last;
     Index c = collection.left.first;
     for (; c < last && !batch.is_full(); c += lanes) {
-      const std::uint32_t* const first = contacts_.first_of_group(c);
-      const std::uint32_t* const second = contacts_.second_of_group(c);
+      const std::uint32_t* const first = in_.contacts.first_of_group(c);
+      const std::uint32_t* const second = in_.contacts.second_of_group(c);
       ContactGeometry<Lanes> geometry;
       const unsigned touching =
           find_touching<of_walls>(geometry, first, second, batch.lanes_[batch.count_]) &
@@ -259,7 +356,7 @@ class BlockEvaluator {
                                                 const std::uint32_t* second, Lanes& into) const {
     if constexpr (of_walls) {
       const auto nearest = [this](std::uint32_t element, const Vec& x) {
-        return walls_now_.nearest(ContactList::unscaled(element), x);
+        return in_.walls_now.nearest(ContactList::unscaled(element), x);
       };
       return geometry.find_touching_walls(grains_, first, second, nearest, into);
     } else {
@@ -273,20 +370,22 @@ class BlockEvaluator {
                                       const std::uint32_t* first, const std::uint32_t* second,
                                       unsigned touching, Lanes& into) const {
     if constexpr (of_walls) {
-      const unsigned refused = geometry.too_deep_in_walls(max_overlap_) & touching;
-      if (refused != 0) refuse<true>(first, second, refused);
+      const unsigned refused = geometry.too_deep_in_walls(in_.max_overlap) & touching;
+      if (refused != 0) in_.template refuse<true>(first, second, refused);
       if constexpr (Walls::move) {
         const auto velocity = [this](std::uint32_t element) {
-          return walls_now_.velocity(ContactList::unscaled(element));
+          return in_.walls_now.velocity(ContactList::unscaled(element));
         };
-        geometry.compute_walls(grains_, first, second, 2 * reduction_per_overlap_, velocity, into);
+        geometry.compute_walls(grains_, first, second, 2 * in_.reduction_per_overlap, velocity,
+                               into);
       } else {
-        geometry.compute_walls(grains_, first, second, 2 * reduction_per_overlap_, nullptr, into);
+        geometry.compute_walls(grains_, first, second, 2 * in_.reduction_per_overlap, nullptr,
+                               into);
       }
     } else {
-      const unsigned refused = geometry.too_close(max_overlap_) & touching;
-      if (refused != 0) refuse<false>(first, second, refused);
-      geometry.compute_pairs(grains_, first, second, reduction_per_overlap_, into);
+      const unsigned refused = geometry.too_close(in_.max_overlap) & touching;
+      if (refused != 0) in_.template refuse<false>(first, second, refused);
+      geometry.compute_pairs(grains_, first, second, in_.reduction_per_overlap, into);
     }
   }
 
@@ -308,24 +407,12 @@ class BlockEvaluator {
     batch.group_[batch.count_++] = collected;
   }
 
-  // For laws that are not written for lanes, or that depend on the materials.
-  [[gnu::noinline]] void evaluate_one_by_one(Batch& batch) const {
-    for (Index e = 0; e < batch.count_; ++e) {
-      for (int lane = 0; lane < lanes; ++lane) {
-        if ((batch.touching_[e] >> lane & 1) == 0) continue;
-        const Index c = batch.contacts_[e][static_cast<Index>(lane)];
-        batch.lanes_[e].template evaluate<Real>(
-            law_between(*evaluation_.list, materials_, walls_, c), times_, lane);
-      }
-    }
-  }
-
   [[gnu::always_inline]] void load_histories(Index group, Lanes& into) const {
     constexpr int N = Grains::N;
-    const unsigned known = before_.touching_in_group(group);
-    const Real* const from = before_.group(group);
+    const unsigned known = in_.before.touching_in_group(group);
+    const Real* const from = in_.before.group(group);
     for (int k = 0; k < Lanes::words; ++k) {
-      const auto fresh = simd::broadcast<Real, N>(new_history_[Index(k)]);
+      const auto fresh = simd::broadcast<Real, N>(in_.new_history[Index(k)]);
       for (int first = 0; first < lanes; first += N) {
         const auto kept = simd::load<Real, N>(from + k * lanes + first);
         simd::store<Real, N>(into.history[k] + first,
@@ -335,55 +422,32 @@ class BlockEvaluator {
   }
   [[gnu::always_inline]] void load_histories(const EightNumbers& contacts, Lanes& into) const {
     for (Index lane = 0; lane < lanes; ++lane) {
-      const bool is_known = before_.touches(contacts[lane]);
+      const bool is_known = in_.before.touches(contacts[lane]);
       for (int k = 0; k < Lanes::words; ++k) {
-        into.history[k][lane] = is_known ? before_.at(contacts[lane], k) : new_history_[Index(k)];
+        into.history[k][lane] =
+            is_known ? in_.before.at(contacts[lane], k) : in_.new_history[Index(k)];
       }
     }
   }
 
-  // The first contact in the lanes `refused` is too deep.
-  template <bool of_walls>
-  [[noreturn, gnu::cold, gnu::noinline]] void refuse(const std::uint32_t* first,
-                                                     const std::uint32_t* second,
-                                                     unsigned refused) const {
-    const int lane = std::countr_zero(refused);
-    const Index i = ContactList::unscaled(first[lane]);
-    const Index other = ContactList::unscaled(second[lane]);
-    const Id id = contacts_.id(i);
-    const Where where{.particle = i, .id = id};
-    const Real R = grains_.radius_of(i);
-    const Vec x = grains_.position_of(i);
-    if constexpr (of_walls) {
-      refuse_overlap({.overlap = double(R - walls_now_.nearest(other, x).distance),
-                      .radius = double(R),
-                      .max_overlap = double(max_overlap_)},
-                     message_of({"grain ", id, " and wall ", walls_now_.number_of(other)}), where);
-    } else {
-      const Real R_j = grains_.radius_of(other);
-      const Real distance = image_(grains_.position_of(other) - x).norm();
-      refuse_overlap({.overlap = double(R + R_j - distance),
-                      .radius = double(std::min(R, R_j)),
-                      .max_overlap = double(max_overlap_),
-                      .has_normal = distance > std::numeric_limits<Real>::epsilon() * (R + R_j)},
-                     message_of({"grains ", id, " and ", contacts_.id(other)}), where);
-    }
-  }
-
-  const Evaluation& evaluation_;
-  const ContactList& contacts_;
-  const Histories& before_;
+  const Input& in_;
   Grains grains_;
   NearestImage<dimension, Real> image_;
-  const Materials<Law>& materials_;
-  const Walls& walls_;
-  decltype(walls_in_law<P>(std::declval<const Walls&>(), StepTime{})) walls_now_;
-  ContactTimes<Real> times_;
-  // Fraction of δ by which the lever arms of two grains are shorter than R; at a wall it is twice
-  // as large.
-  Real reduction_per_overlap_;
-  Real max_overlap_;                                              // see ContactSettings
-  std::array<Real, std::max(Lanes::words, 1)> new_history_ = {};  // of a new contact
 };
 
-}  // namespace silt::dem::detail
+/// Evaluates a block with all that it needs; returns how many contacts touch.
+template <class P, class Law, class Walls>
+Index evaluate_block(const BlockInput<P, Law, Walls>& input, Index block, bool is_dense,
+                     const typename BlockInput<P, Law, Walls>::Results& to) {
+  using Evaluator = BlockEvaluator<P, Law, Walls>;
+  const Evaluator evaluator(input);
+  typename Evaluator::Results results(to);
+  typename Evaluator::Batch batch;
+  auto contacts = evaluator.contacts_of(block, is_dense);
+  while (evaluator.fill(batch, contacts, results)) evaluator.evaluate(batch, results);
+  return contacts.touching();
+}
+
+}  // namespace silt::dem::detail::SILT_INSTRUCTION_SET
+
+#endif

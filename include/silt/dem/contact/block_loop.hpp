@@ -35,25 +35,27 @@ struct BlockMemory {
 };
 
 /// Adds the forces and torques of all contacts to the grains, and stores their histories. Refers to
-/// its arguments; Evaluator is a BlockEvaluator.
-template <class P, class Evaluator>
+/// its arguments; Input is a BlockInput.
+template <class P, class Input>
 class BlockLoop {
-  using Results = typename Evaluator::Results;
+  using Lanes = typename Input::Lanes;
+  using Histories = typename Input::Histories;
+  using Results = ResultsOfStep<Lanes, Histories>;
 
  public:
   using Memory = BlockMemory<typename Results::Loads>;
 
   /// Changes of the grains' constants are looked for in the same loop. `after` takes the histories.
   template <class Changes>
-  BlockLoop(P& grains, const ContactList& list, const Evaluator& evaluator, Changes& changes,
-            typename Evaluator::Histories& after, const Pass& pass, Memory& memory)
+  BlockLoop(P& grains, const ContactList& list, const Input& input, Changes& changes,
+            Histories& after, const Pass& pass, Memory& memory)
       : grains_(grains.size()),
-        evaluator_(evaluator),
+        input_(input),
         find_changes_(changes),
         pass_(pass),
         memory_(fit(memory, list, grains.size(), after)),
         results_{list, memory.division, memory.loads, after, memory.touching},
-        sum_loads_(memory.loads.sums_for(grains, list, memory.division)) {}
+        sums_(grains, list, memory.division, memory.loads) {}
 
   /// Returns how many contacts touch.
   Index add_forces() {
@@ -69,8 +71,7 @@ class BlockLoop {
   }
 
  private:
-  static Memory& fit(Memory& memory, const ContactList& list, Index grains,
-                     typename Evaluator::Histories& after) {
+  static Memory& fit(Memory& memory, const ContactList& list, Index grains, Histories& after) {
     after.resize(list.groups());
     memory.division.fit(list, static_cast<Index>(threads_for(grains)));
     memory.loads.resize(memory.division.slots());
@@ -88,25 +89,18 @@ class BlockLoop {
     const bool are_most_dense =
         2 * dense_blocks(first_block, last_block) > last_block - first_block;
     memory_.touching.remove_blocks(first_block, last_block);
-    const auto sum_loads = sum_loads_;
-    Results results(results_);
-    typename Evaluator::Batch batch;
+    const TouchingGrains* const touching = are_most_dense ? nullptr : &memory_.touching;
     for (Index b = first_block; b < last_block; ++b) {
       const bool is_dense = memory_.is_dense[b] != 0;
-      auto contacts = evaluator_.contacts_of(b, is_dense);
-      while (evaluator_.fill(batch, contacts, results)) evaluator_.evaluate(batch, results);
-      if (is_dense && !are_most_dense) results.add_grains_of_dense_block(b);
-      memory_.is_dense[b] = evaluator_.is_dense(b, contacts.touching());
-      memory_.counts[thread] += contacts.touching();
+      const Index count = evaluate_block(input_, b, is_dense, {.step = &results_});
+      if (is_dense && !are_most_dense) results_.add_grains_of_dense_block(b);
+      memory_.is_dense[b] = input_.is_dense(b, count);
+      memory_.counts[thread] += count;
       const Index end = std::min(grains_, (b + 1) * block_size);
       find_changes_(b, b * block_size, end);
       division.for_each_ready(b * block_size, end, [&](Index first, Index last) {
         pass_.before(first, last);
-        if (are_most_dense) {
-          division.for_each_in_order(first, last, sum_loads);
-        } else {
-          memory_.touching.for_each(first, last, sum_loads);
-        }
+        sums_.add(first, last, touching);
         pass_.after(first, last);
       });
     }
@@ -114,7 +108,7 @@ class BlockLoop {
   void sum_deferred(Index thread) {
     memory_.division.for_each_deferred(thread, [&](Index i) {
       pass_.before(i, i + 1);
-      sum_loads_(i);
+      sums_.add(i, i + 1, nullptr);
       pass_.after(i, i + 1);
     });
   }
@@ -126,14 +120,12 @@ class BlockLoop {
   }
 
   Index grains_;
-  const Evaluator& evaluator_;
+  const Input& input_;
   FunctionRef<void(Index, Index, Index)> find_changes_;
   const Pass& pass_;
   Memory& memory_;
-  typename Results::OfStep results_;
-  decltype(std::declval<Memory&>().loads.sums_for(std::declval<P&>(),
-                                                  std::declval<const ContactList&>(),
-                                                  std::declval<const WorkDivision&>())) sum_loads_;
+  Results results_;
+  LoadSums<P, Lanes::Row::has_couple> sums_;
 };
 
 }  // namespace silt::dem::detail

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Geometry and motion of eight contacts at once, from the rows of their grains.
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_DEM_CONTACT_CONTACT_GEOMETRY
+#define SILT_DEM_CONTACT_CONTACT_GEOMETRY
 
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/simd.hpp>
@@ -13,7 +17,14 @@
 #include <limits>
 #include <type_traits>
 
-namespace silt::dem::detail {
+#define SILT_KERNELS <silt/dem/contact/contact_geometry.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+#endif
+#else
+
+namespace silt::dem::detail::SILT_INSTRUCTION_SET {
+namespace simd = silt::simd::SILT_INSTRUCTION_SET;
 
 /// The grains of up to eight pairs, or at up to eight wall elements, and their distances. Into is a
 /// LawLanes.
@@ -22,7 +33,7 @@ class ContactGeometry {
   static constexpr int Dim = Into::dimension;
   using Real = typename Into::Real;
   using Row = typename Into::Row;
-  using Grains = GrainRows<Dim, Real>;
+  using Grains = GrainPacks<Dim, Real>;
   using Vec = silt::Vec<Dim, Real>;
   static constexpr int N = Grains::N;
   static constexpr int packs = lanes / N;
@@ -213,4 +224,6 @@ class ContactGeometry {
   Pack overlap_[packs];  // at walls
 };
 
-}  // namespace silt::dem::detail
+}  // namespace silt::dem::detail::SILT_INSTRUCTION_SET
+
+#endif

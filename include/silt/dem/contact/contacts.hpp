@@ -64,8 +64,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using History = typename Evaluation::LawHistory::type;
   using List = typename Evaluation::List;
   using Histories = typename Evaluation::Histories;
-  using Evaluator = detail::BlockEvaluator<P, Law, WallSet<Walls...>>;
-  using Loop = detail::BlockLoop<P, Evaluator>;
+  using Input = detail::BlockInput<P, Law, WallSet<Walls...>>;
+  using Loop = detail::BlockLoop<P, Input>;
   using SavedList = detail::SavedList<dimension, Real>;
   using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
@@ -108,8 +108,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const auto after = memory_->histories.take();
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
-    const Evaluator evaluator(evaluation, rows, materials_, walls_, settings_);
-    Loop loop(grains, evaluation.contacts(), evaluator, changes, *after, pass, memory_->loop);
+    const Input input(evaluation, rows, materials_, walls_, settings_);
+    Loop loop(grains, evaluation.contacts(), input, changes, *after, pass, memory_->loop);
     evaluation.count = loop.add_forces();
     changes.check(grains);
     evaluation.after = after;

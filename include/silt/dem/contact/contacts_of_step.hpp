@@ -275,15 +275,10 @@ class ContactsOfStep {
   }
 
   void evaluate_again(Real* rows) const {
-    using Evaluator = BlockEvaluator<P, Law, Walls>;
-    const Evaluator evaluator(evaluation_, evaluation_.grains.rows(), materials_, walls_,
-                              settings_);
-    evaluation_.contacts().for_each_block([&](Index block, Index, Index) {
-      typename Evaluator::Results results(rows);
-      typename Evaluator::Batch batch;
-      auto contacts = evaluator.contacts_of(block, true);
-      while (evaluator.fill(batch, contacts, results)) evaluator.evaluate(batch, results);
-    });
+    const BlockInput<P, Law, Walls> input(evaluation_, evaluation_.grains.rows(), materials_,
+                                          walls_, settings_);
+    evaluation_.contacts().for_each_block(
+        [&](Index block, Index, Index) { evaluate_block(input, block, true, {.rows = rows}); });
   }
 
   const P& grains_;

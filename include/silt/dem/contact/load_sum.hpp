@@ -1,12 +1,23 @@
 // SPDX-License-Identifier: MIT
 // The sums of the forces and torques of contacts on a grain, [SahChoi2004] (13), (14).
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_DEM_CONTACT_LOAD_SUM
+#define SILT_DEM_CONTACT_LOAD_SUM
 
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/load_row.hpp>
 
-namespace silt::dem::detail {
+#define SILT_KERNELS <silt/dem/contact/load_sum.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+#endif
+#else
+
+namespace silt::dem::detail::SILT_INSTRUCTION_SET {
+namespace simd = silt::simd::SILT_INSTRUCTION_SET;
 
 /// Σ F and Σ M on one grain. On the second of two grains the force is the opposite; the torque,
 /// (R − arm_reduction) F × n, is in the same direction on both.
@@ -45,12 +56,12 @@ class LoadSum {
     } else {
       sum_ += load * factors_[second];
       Four<Real> F_x_n;
-      simd::load_four(row + Row::F_x_n, F_x_n);
+      simd::load_pack(row + Row::F_x_n, F_x_n);
       moment_ += (R_ - row[Row::arm_reduction]) * F_x_n;
     }
     if constexpr (has_couple) {
       Four<Real> couple;
-      simd::load_four(row + Row::couple, couple);
+      simd::load_pack(row + Row::couple, couple);
       couple_ += (second == 0 ? Real(1) : Real(-1)) * couple;
     }
   }
@@ -78,4 +89,6 @@ class LoadSum {
   Four<Real> couple_{};
 };
 
-}  // namespace silt::dem::detail
+}  // namespace silt::dem::detail::SILT_INSTRUCTION_SET
+
+#endif

@@ -125,7 +125,8 @@ struct RollingResistance {
   // 2 η √(7/5 m k_r) R [N m s].
   template <class Real>
   Real dashpot(Real mu, Real R, Real m, Real k_n) const {
-    return Real(2 * damping_ratio * std::sqrt(1.4 * 2.25)) * mu * squared(R) * std::sqrt(m * k_n);
+    using std::sqrt;
+    return Real(2 * damping_ratio * sqrt(1.4 * 2.25)) * mu * squared(R) * sqrt(m * k_n);
   }
 
   // If not inlined early, this call would keep g++ from vectorising over eight contacts.

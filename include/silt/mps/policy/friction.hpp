@@ -100,8 +100,8 @@ class PairFriction::InFlow {
     for_each_four(at.neighbourhood(), i, [&](const NeighbourPack<Dim, Real>& j) {
       Four<Real> others[Strain::size / 4][4];
       for (int k = 0; k < Strain::size / 4; ++k) {
-        columns_from<Real, 4>([&](int lane) { return strains_[j.index[lane]].numbers + 4 * k; },
-                              others[k]);
+        simd::columns_from<Real, 4>(
+            [&](int lane) { return strains_[j.index[lane]].numbers + 4 * k; }, others[k]);
       }
       const auto of_others = [&](int place) -> const Four<Real>& {
         return others[place / 4][place % 4];

@@ -52,7 +52,7 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
     next = 0;
     for_each_four(neighbourhood, i, from, from + size, [&](const NeighbourPack<Dim, Real>& j) {
       Four<Real> slope;
-      simd::load_four(&slopes[next], slope);
+      simd::load_pack(&slopes[next], slope);
       f(j, slope);
       next += 4;
     });

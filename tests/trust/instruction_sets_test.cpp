@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// The same bits with every instruction set of one program, also in single precision, of a law one
+// by one, and after a step that failed; portability.hashes_* compare two runs only. Compiled
+// without SILT_NO_DISPATCH, unlike the other unit tests.
+#include <silt/core/instruction_set.hpp>
+
+#include "support/check.hpp"
+#include "support/grains.hpp"
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace silt::test::instruction_sets_test {
+namespace {
+
+std::vector<InstructionSet> instruction_sets() {
+  std::vector<InstructionSet> all;
+  for (const InstructionSet set : {InstructionSet::portable, InstructionSet::sse2,
+                                   InstructionSet::avx2, InstructionSet::avx512}) {
+    if (silt::detail::has_processor(set)) all.push_back(set);
+  }
+  return all;
+}
+
+// Calls f with each instruction set, and expects the same result.
+template <class F>
+void expect_same_with_each(F&& f) {
+  struct Restore {
+    InstructionSet before = instruction_set();
+    ~Restore() { silt::detail::used_instruction_set() = before; }
+  } restore;
+  std::optional<decltype(f())> first;
+  for (const InstructionSet set : instruction_sets()) {
+    silt::detail::used_instruction_set() = set;
+    const auto found = f();
+    if (!first) first = found;
+    EXPECT_TRUE(found == *first) << silt::detail::instruction_set_names[int(set)];
+  }
+}
+
+// Grains that fall through a periodic box onto a vibrating floor.
+template <int Dim>
+auto shaken(const auto& law) {
+  constexpr Index along_each_axis = Dim == 2 ? 40 : 12;
+  auto grains = crowd<Dim, double>(along_each_axis, 1);
+  auto box = cube<Dim, double>(0, double(along_each_axis) * 0.0205);
+  box.lower[Dim - 1] = -0.5;
+  box.upper[Dim - 1] = 10;
+  for (std::size_t k = 0; k + 1 < Dim; ++k) box.periodic[k] = true;
+  grains.set_box(box);
+  const Vec<Dim> up = Vec<Dim>::Unit(Dim - 1);
+  const dem::Moving floor{dem::Plane<Dim>{.point = -0.02 * up, .normal = up},
+                          dem::Vibration<Dim>{.amplitude = 1e-3 * up, .frequency = 50}};
+  return Simulation{std::move(grains), NeighbourList<Dim>{},
+                    Forces{Gravity<Dim>{-9.81 * up}, dem::Contacts{law, floor}},
+                    Leapfrog{GlobalDamping{.alpha = 0.1}}};
+}
+
+const dem::CundallStrack springs{.normal_stiffness = 1e6,
+                                 .tangential_stiffness = 5e5,
+                                 .restitution = 0.6,
+                                 .friction_angle = 0.5};
+
+template <class Start>
+void expect_same_bits_of(Start&& start) {
+  expect_same_with_each([&] {
+    auto simulation = start();
+    for (int k = 0; k < 60; ++k) simulation.step(1e-5);
+    return state_of(simulation.particles());
+  });
+}
+
+TEST(InstructionSets, GiveTheSameBitsOfSpheres) {
+  expect_same_bits_of([] { return shaken<3>(springs); });
+}
+TEST(InstructionSets, GiveTheSameBitsOfDiscs) {
+  expect_same_bits_of([] { return shaken<2>(springs); });
+}
+
+const dem::Elastic glass{.young_modulus = 1e7, .poisson_ratio = 0.25};
+const dem::Law rolling{dem::Hertz{.elastic = glass, .restitution = 0.6},
+                       dem::Mindlin{.elastic = glass, .friction_angle = 0.3},
+                       dem::RollingResistance{.rolling_friction = 0.1}};
+
+// A law that is not written for lanes.
+struct OwnSpring {
+  Vec<3> force(const dem::Contact<3, double>& contact) const {
+    return 1e6 * contact.overlap * contact.normal - 5 * contact.relative_velocity;
+  }
+};
+
+TEST(InstructionSets, GiveTheSameBitsOfSpheresThatRoll) {
+  expect_same_bits_of([] { return shaken<3>(rolling); });
+}
+TEST(InstructionSets, GiveTheSameBitsOfAnOwnLaw) {
+  expect_same_bits_of([] { return shaken<3>(OwnSpring{}); });
+}
+TEST(InstructionSets, GiveTheSameBitsInSinglePrecision) {
+  expect_same_bits_of([] {
+    return Simulation{crowd<3, float>(12, 1), UniformGrid<3, float>{}, dem::Contacts{springs},
+                      Leapfrog{}};
+  });
+}
+TEST(InstructionSets, GiveTheSameForcesToObservers) {
+  expect_same_with_each([] {
+    auto simulation = shaken<3>(springs);
+    for (int k = 0; k < 5; ++k) simulation.step();
+    const auto [grains, interaction] = simulation.state();
+    std::vector<double> forces;
+    interaction.template part<1>().for_each_contact(
+        grains, [&](Index, Index, const auto&, const auto& force) {
+          forces.insert(forces.end(), force.begin(), force.end());
+        });
+    return forces;
+  });
+}
+
+TEST(InstructionSets, UndoAStepThatFails) {
+  expect_same_with_each([] {
+    auto simulation = shaken<3>(springs);
+    for (int k = 0; k < 5; ++k) simulation.step();
+    const Bytes before = state_of(simulation.particles());
+    auto broken = simulation;
+    broken.particles()[velocity][100][0] = std::numeric_limits<double>::quiet_NaN();
+    const Bytes changed = state_of(broken.particles());
+    EXPECT_THROW(broken.step(), Error);
+    EXPECT_TRUE(state_of(broken.particles()) == changed);
+    simulation.step();
+    return state_of(simulation.particles());
+  });
+}
+
+TEST(InstructionSets, AreChosenByTheEnvironment) {
+  const char* const given = std::getenv("SILT_ISA");
+  const std::string before = given != nullptr ? given : "";
+  for (const InstructionSet set : instruction_sets()) {
+    ::setenv("SILT_ISA", std::string(silt::detail::instruction_set_names[int(set)]).c_str(), 1);
+    EXPECT_EQ(silt::detail::choose_instruction_set(), set);
+  }
+  for (const char* const unknown : {"avx1024", "AVX2", "portable sse2"}) {
+    ::setenv("SILT_ISA", unknown, 1);
+    try {
+      silt::detail::choose_instruction_set();
+      ADD_FAILURE() << unknown;
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("SILT_ISA"), std::string::npos) << text;
+      EXPECT_NE(text.find(unknown), std::string::npos) << text;
+    }
+  }
+  ::setenv("SILT_ISA", before.c_str(), 1);
+}
+
+}  // namespace
+}  // namespace silt::test::instruction_sets_test
