@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Includes the file SILT_KERNELS once for each instruction set of the program, see
-// instruction_set.hpp. It has SILT_INSTRUCTION_SET, the name of its namespace, and SILT_LEVEL: 0 without
-// intrinsics, 1 with SSE2, 2 with AVX2, 3 with AVX-512.
+// instruction_set.hpp. It has SILT_INSTRUCTION_SET, the name of its namespace, and SILT_LEVEL: 0
+// without intrinsics, 1 with SSE2, 2 with AVX2, 3 with AVX-512.
 //
 // Not by the macros of the compiler, such as __AVX2__: g++ defines them only after it has read a
 // file, and clang does not define them at all. A list of instruction sets rather than an

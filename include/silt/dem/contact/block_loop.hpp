@@ -20,7 +20,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <numeric>
-#include <utility>
 
 namespace silt::dem::detail {
 
