@@ -24,6 +24,8 @@ class OwnMemory {
     if (!memory_) memory_ = std::make_unique<T>();
     return memory_.get();
   }
+  /// nullptr if nothing was kept.
+  const T* get() const noexcept { return memory_.get(); }
 
  private:
   std::unique_ptr<T> memory_;

@@ -50,6 +50,10 @@ class ParticleTable {
   /// Increases whenever owned particles are added, removed or reordered, or the box changes. Unlike
   /// revision(), it is the same after a failed step as before.
   std::uint64_t owned_revision() const noexcept { return owned_revision_; }
+  /// The same as before if at most particles were added behind the others: the first rows are then
+  /// those of before. Copies have the same until a particle is added to them. Not changed by a
+  /// failed step, either.
+  std::uint64_t rows_revision() const noexcept { return rows_revision_; }
 
   /// Upper bound of the displacement of the owned particles by steps, except that a periodic side
   /// was crossed; begins anew whenever positions may have been changed otherwise, that is, with
@@ -60,7 +64,8 @@ class ParticleTable {
   }
   /// Increases whenever a field that steps do not change, such as the radius, may have been
   /// changed: after an access that is not const, with every call until save(), because its view may
-  /// be written to until the next step. Not to be called by several threads at once.
+  /// be written to until the next step. Not if particles are only added, see rows_revision(). Not
+  /// to be called by several threads at once.
   std::uint64_t constants_revision() const noexcept {
     if (constants_changed_.is_set()) constants_revision_ = next_revision();
     return constants_revision_;
@@ -102,7 +107,13 @@ class ParticleTable {
     ids_.make_room_for_id();
     resize(columns, size() + 1);
     ids_.add();
-    note_change();
+    revision_ = next_revision();
+    owned_revision_ = revision_;
+    // Others may be added to the original.
+    if (is_copy_.is_set()) {
+      rows_revision_ = revision_;
+      is_copy_.test_and_clear();
+    }
     return size() - 1;
   }
   /// Removes the particles `gone`, in ascending order; there are no ghosts.
@@ -209,6 +220,8 @@ class ParticleTable {
   void note_change() noexcept {
     revision_ = next_revision();
     owned_revision_ = revision_;
+    rows_revision_ = revision_;
+    is_copy_.test_and_clear();
     positions_changed_.set();
     constants_changed_.set();
   }
@@ -218,6 +231,7 @@ class ParticleTable {
   mutable detail::Mark positions_changed_{detail::Mark::Copied::set};
   mutable detail::Mark constants_changed_;
   detail::Mark state_changed_;
+  detail::Mark is_copy_{detail::Mark::Copied::set};  // with the rows of another container
 
  private:
   static std::uint64_t next_revision() noexcept {
@@ -238,6 +252,7 @@ class ParticleTable {
   Index halo_ = 0;  // number of particles in it
   std::uint64_t revision_ = 0;
   std::uint64_t owned_revision_ = 0;
+  std::uint64_t rows_revision_ = 0;
   std::uint64_t ghosts_revision_ = 0;  // of their values
   mutable Travel travel_;
   mutable std::uint64_t constants_revision_ = 0;

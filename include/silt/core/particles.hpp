@@ -34,6 +34,15 @@
 
 namespace silt {
 
+/// A field of a particle that is added, and its value.
+template <Field F, class Value>
+struct Initial {
+  F field;
+  Value value;
+};
+template <Field F, class Value>
+Initial(F, Value) -> Initial<F, Value>;
+
 /// Particles in Dim dimensions with a position and the given fields. A Bundle among them says that
 /// these fields, which are given as well, are stored side by side; see core/field_storage.hpp.
 ///
@@ -107,13 +116,17 @@ class Particles : public ParticleTable {
 
   void reserve(Index n) { ParticleTable::reserve(columns_.all(), n); }
 
-  /// Adds a particle at x [m], all other fields zero, and returns its index. Removes halo and ghosts.
-  /// Throws if x is not finite. If it throws, no particle is added.
-  Index add(const Vec& x) {
+  /// Adds a particle at x [m] behind the others and returns its index; fields without an initial
+  /// value are zero. Removes halo and ghosts. Throws if x is not finite. If it throws, no particle
+  /// is added.
+  template <Field... F, class... Values>
+  Index add(const Vec& x, const Initial<F, Values>&... initial) {
+    (check_field<F>(), ...);
     require_finite("Particles::add: position", x);
     const Vec at = x;  // x may be one of the positions
     const Index i = ParticleTable::add(columns_.all());
-    (*this)[position][i] = at;
+    columns_.view(position, size())[i] = at;
+    ((columns_.view(initial.field, size())[i] = initial.value), ...);
     return i;
   }
 

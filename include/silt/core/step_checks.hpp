@@ -116,21 +116,27 @@ template <class P>
        {.particle = i, .id = particles.id(i)});
 }
 
+/// Whether a position x [m] is known to a hundredth of this size [m], or is not finite.
+template <class Real, int Dim>
+bool has_digits(const Vec<Dim, Real>& x, Real size) {
+  const Real distance = max_norm(x);
+  return 100 * std::numeric_limits<Real>::epsilon() * distance <= size || !is_finite(distance);
+}
+
 /// Throws if a particle is so far from the origin that its position is not known to a hundredth of
 /// its size, size_of(i) [m]: with float, at 80 000 sizes. `owner` and `size` are named.
 template <class P, class F>
 void check_digits_of_positions(std::string_view owner, const P& particles, std::string_view size,
                                F&& size_of) {
   using Real = typename P::Real;
-  constexpr Real epsilon = std::numeric_limits<Real>::epsilon();
   const auto x = particles[position];
-  const auto distance = [&](Index i) { return max_norm(x[i]); };
   const Index far = first_where(particles.size(), [&](Index i) {
-    return 100 * epsilon * distance(i) > size_of(i) && is_finite(distance(i));
+    return !has_digits<Real, P::dimension>(x[i], Real(size_of(i)));
   });
   if (far == no_index) return;
   fail({owner, ": x = ", to_text(typename P::Vec(x[far])), " m is known to ",
-        epsilon * distance(far), " m only, more than a hundredth of the ", size, " ", size_of(far),
+        std::numeric_limits<Real>::epsilon() * max_norm(x[far]),
+        " m only, more than a hundredth of the ", size, " ", size_of(far),
         " m; move the origin to the particles, or use double"},
        {.particle = far, .id = particles.id(far)});
 }

@@ -23,7 +23,8 @@ struct Travel {
 
 namespace detail {
 
-/// Set by any number of threads, cleared by one. A copy is set, or as the original is.
+/// Set by any number of threads, cleared by one. A copy is set, or as the original is; what is
+/// moved is as it was, and its source is like a copy.
 class Mark {
  public:
   enum class Copied { as_it_is, set };
@@ -34,6 +35,14 @@ class Mark {
   Mark(const Mark& other) noexcept : is_set_(other.value_of_copy()), copied_(other.copied_) {}
   Mark& operator=(const Mark& other) noexcept {
     is_set_.store(other.value_of_copy(), std::memory_order_relaxed);
+    return *this;
+  }
+  Mark(Mark&& other) noexcept
+      : is_set_(other.is_set_.exchange(other.value_of_copy(), std::memory_order_relaxed)),
+        copied_(other.copied_) {}
+  Mark& operator=(Mark&& other) noexcept {
+    const bool value = other.is_set_.exchange(other.value_of_copy(), std::memory_order_relaxed);
+    is_set_.store(value, std::memory_order_relaxed);
     return *this;
   }
   void set() noexcept {

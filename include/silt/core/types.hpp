@@ -50,10 +50,16 @@ inline Index completed_intervals(double count) {
   return static_cast<Index>(std::min(count * (1 + 1e-12), limit));
 }
 
+/// Reserves memory for n elements of an array, and n/16 more if it must grow.
+template <class Vector>
+void reserve_tightly(Vector& values, Index n) {
+  if (n > values.capacity()) values.reserve(n + n / 16);
+}
+
 /// Resizes an array. If it must grow, it reserves n/16 more elements, instead of doubling.
 template <class Vector>
 void resize_tightly(Vector& values, Index n) {
-  if (n > values.capacity()) values.reserve(n + n / 16);
+  reserve_tightly(values, n);
   values.resize(n);
 }
 

@@ -48,7 +48,8 @@ class BlockLoop {
   template <class Changes>
   BlockLoop(P& grains, const ContactList& list, const Input& input, Changes& changes,
             Histories& after, const Pass& pass, Memory& memory)
-      : grains_(grains.size()),
+      : list_(list),
+        grains_(grains.size()),
         input_(input),
         find_changes_(changes),
         pass_(pass),
@@ -60,6 +61,8 @@ class BlockLoop {
   Index add_forces() {
     const Index threads = memory_.division.threads();
     memory_.counts.assign(threads, 0);
+    memory_.touching.clear();
+    evaluate_added();
     if (threads == 1) {
       evaluate_blocks(0);
     } else {
@@ -79,6 +82,13 @@ class BlockLoop {
     return memory;
   }
 
+  // Before all others: grains of any block may have such contacts.
+  void evaluate_added() {
+    const Index last = list_.blocks() + list_.added_blocks();
+    for (Index b = list_.blocks(); b < last; ++b) {
+      memory_.counts[0] += evaluate_block(input_, b, false, {.step = &results_});
+    }
+  }
   // Evaluates the contacts of a thread's blocks and sums the forces on their grains, but those that
   // are deferred.
   void evaluate_blocks(Index thread) {
@@ -87,7 +97,6 @@ class BlockLoop {
     const Index last_block = division.first_block(thread + 1);
     const bool are_most_dense =
         2 * dense_blocks(first_block, last_block) > last_block - first_block;
-    memory_.touching.remove_blocks(first_block, last_block);
     const TouchingGrains* const touching = are_most_dense ? nullptr : &memory_.touching;
     for (Index b = first_block; b < last_block; ++b) {
       const bool is_dense = memory_.is_dense[b] != 0;
@@ -118,6 +127,7 @@ class BlockLoop {
         std::count(begin + std::ptrdiff_t(first), begin + std::ptrdiff_t(last), 1));
   }
 
+  const ContactList& list_;
   Index grains_;
   const Input& input_;
   FunctionRef<void(Index, Index, Index)> find_changes_;

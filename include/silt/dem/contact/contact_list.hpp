@@ -9,7 +9,7 @@
 // A pair belongs to the block of the grain with the lower index; one of the two may be of the halo,
 // whose indices are the highest. The pairs of a block, and its
 // contacts with walls, are each padded to a multiple of eight: contacts are evaluated in groups of
-// eight.
+// eight. Contacts of grains that are added later are further blocks behind all others, see add().
 //
 // Each grain has a list of its contacts, sorted by the partner's id, walls last. Forces are summed
 // in this order, so that they depend neither on the search nor on the order in memory.
@@ -60,7 +60,16 @@ class ContactList {
   /// Number of contacts, including padding.
   Index size() const noexcept { return first_.size(); }
   Index groups() const noexcept { return size() / lanes; }
+  /// Number of blocks of grains.
   Index blocks() const noexcept { return blocks_.size(); }
+  /// Number of blocks of contacts that were added. They are to be evaluated before all others,
+  /// whose grains they touch.
+  Index added_blocks() const noexcept { return added_.size(); }
+  /// Number of groups in the blocks of grains.
+  Index groups_of_grains() const noexcept {
+    return added_.empty() ? groups() : added_.front().pairs.first / lanes;
+  }
+  bool is_added(Index contact) const noexcept { return contact >= groups_of_grains() * lanes; }
   /// Number of owned grains.
   Index grains() const noexcept { return owned_; }
   bool is_owned(std::uint32_t grain) const noexcept { return grain < owned_; }
@@ -99,7 +108,10 @@ class ContactList {
     /// All, including padding.
     Range all() const { return {pairs.first, full_groups(walls.last)}; }
   };
-  const Block& block(Index number) const noexcept { return blocks_[number]; }
+  /// Those that were added have the numbers from blocks() on.
+  const Block& block(Index number) const noexcept {
+    return number < blocks() ? blocks_[number] : added_[number - blocks()];
+  }
 
   /// f(block, first grain, last grain) for every block, in parallel.
   template <class F>
@@ -116,7 +128,7 @@ class ContactList {
   /// f(contact) for each of a block.
   template <class F>
   void for_each_contact(Index block, F&& f) const {
-    const auto [pairs, walls] = blocks_[block];
+    const auto [pairs, walls] = this->block(block);
     for (Index c = pairs.first; c < walls.last; ++c) {
       if (c < pairs.last || c >= walls.first) f(c);
     }
@@ -126,6 +138,7 @@ class ContactList {
   template <class F>
   void for_each_contact(F&& f) const {
     for_each_block([&](Index b, Index, Index) { for_each_contact(b, f); });
+    for (Index b = blocks(); b < blocks() + added_blocks(); ++b) for_each_contact(b, f);
   }
   /// f(contact) for each, grain by grain as they lie in memory, and at each in the order of the
   /// partners' ids, which is independent of the search: at its first grain, or at the second if
@@ -142,10 +155,11 @@ class ContactList {
 
   /// Contacts of grain i.
   std::span<const Side> of(Index i) const noexcept { return sides().subspan(begin_[i], count(i)); }
-  Index count(Index i) const noexcept { return begin_[i + 1] - begin_[i]; }
-  /// Those of all grains, and where those of grain i begin.
+  Index count(Index i) const noexcept { return end_[i] - begin_[i]; }
+  /// Those of all grains, where those of grain i begin, and their end.
   std::span<const Side> sides() const noexcept { return sides_; }
   Index begin(Index i) const noexcept { return begin_[i]; }
+  Index end(Index i) const noexcept { return end_[i]; }
 
   /// The pairs found at the grains of a block, before they are put into one list. The memory is
   /// reused.
@@ -179,8 +193,61 @@ class ContactList {
       own.of_other_blocks.clear();
       find(first, last, own);
     });
+    added_.clear();
     concatenate(by_block);
     list_sides();
+  }
+
+  /// Adds grains with these ids behind the others, and their contacts as a further block; those
+  /// before keep their numbers. If it throws, nothing has changed.
+  void add(std::span<const Id> ids, const PairsOfBlock& found) {
+    const Index grain = owned_;
+    Block block;
+    block.pairs = {size(), size() + found.pairs.size()};
+    block.walls.first = full_groups(block.pairs.last);
+    block.walls.last = block.walls.first + found.walls.size();
+    const Index end = block.all().last;
+    check_size(owned_ + ids.size(), end);
+    Buffer<SideOf> new_sides = sides_of(block, found);
+    const Index moved = count_with(new_sides);
+    reserve_tightly(ids_, owned_ + ids.size());
+    reserve_tightly(begin_, owned_ + ids.size());
+    reserve_tightly(end_, owned_ + ids.size());
+    reserve_tightly(blocks_, block_count(owned_ + ids.size()));
+    reserve_one_more(added_);
+    reserve_tightly(sides_, sides_.size() + moved);
+    reserve_tightly(first_, end);
+    reserve_tightly(second_, end);
+    Buffer<std::pair<Id, Side>> by_partner;
+    by_partner.reserve(moved);
+
+    ids_.append(ids);
+    owned_ += ids.size();
+    const auto end_of_sides = static_cast<std::uint32_t>(sides_.size());
+    begin_.resize(owned_, end_of_sides);
+    end_.resize(owned_, end_of_sides);
+    const Index end_of_blocks = groups_of_grains() * lanes;
+    blocks_.resize(block_count(owned_),
+                   {{end_of_blocks, end_of_blocks}, {end_of_blocks, end_of_blocks}});
+    first_.resize(end, static_cast<std::uint32_t>(grain) * index_scale);
+    second_.resize(end, static_cast<std::uint32_t>(grain) * index_scale);
+    put_all(block.pairs.first, found.pairs, 0);
+    put_all(block.walls.first, found.walls, wall_bit);
+    if (end > block.pairs.first) added_.push_back(block);
+    // The sides of a grain that gets more move behind all others.
+    for (auto next = new_sides.begin(); next != new_sides.end();) {
+      const Index i = next->grain;
+      const auto begin = static_cast<std::uint32_t>(sides_.size());
+      for (Index s = begin_[i]; s < end_[i]; ++s) sides_.push_back(Side(sides_[s]));
+      for (; next != new_sides.end() && next->grain == i; ++next) sides_.push_back(next->side);
+      begin_[i] = begin;
+      end_[i] = static_cast<std::uint32_t>(sides_.size());
+      sort_sides(i, by_partner);
+    }
+  }
+  /// groups() after add().
+  Index groups_with(const PairsOfBlock& found) const {
+    return groups() + (full_groups(found.pairs.size()) + full_groups(found.walls.size())) / lanes;
   }
 
   /// The contact of this pair of ids, the lower one first; `no_index` if they are not in the list.
@@ -207,6 +274,12 @@ class ContactList {
   static constexpr Index full_groups(Index n) { return (n + lanes - 1) / lanes * lanes; }
   static Index block_of(const Pair& pair) { return std::min(pair.first, pair.second) / block_size; }
 
+  static void check_size(Index grains, Index contacts) {
+    if (grains * index_scale < wall_bit && 4 * contacts < wall_bit) return;
+    fail({"dem::Contacts: there are ", grains, " grains and ", contacts,
+          " near contacts, more than 2^28 of the former or 2^29 of the latter; use fewer grains"});
+  }
+
   void concatenate(const Buffer<PairsOfBlock>& by_block) {
     Buffer<Index> further(by_block.size(), 0);
     for (const PairsOfBlock& each : by_block) {
@@ -222,11 +295,7 @@ class ContactList {
       size = block.all().last;
       further[b] = block.pairs.first + by_block[b].pairs.size();
     }
-    if (ids_.size() * index_scale >= wall_bit || 4 * size >= wall_bit) {
-      fail(
-          {"dem::Contacts: there are ", ids_.size(), " grains and ", size,
-           " near contacts, more than 2^28 of the former or 2^29 of the latter; use fewer grains"});
-    }
+    check_size(ids_.size(), size);
     resize_tightly(first_, size);
     resize_tightly(second_, size);
     for_each_block([&](Index b, Index grain, Index) {
@@ -256,6 +325,35 @@ class ContactList {
     second_[contact] = pair.second * index_scale;
   }
 
+  struct SideOf {
+    std::uint32_t grain;
+    Side side;
+  };
+  // Those of the contacts of a block that is added, by grain.
+  static Buffer<SideOf> sides_of(const Block& block, const PairsOfBlock& found) {
+    Buffer<SideOf> sides;
+    sides.reserve(2 * found.pairs.size() + found.walls.size());
+    Index contact = block.pairs.first;
+    for (const Pair& pair : found.pairs) {
+      sides.push_back({pair.first, Side(contact, false)});
+      sides.push_back({pair.second, Side(contact++, true)});
+    }
+    contact = block.walls.first;
+    for (const Pair& pair : found.walls) sides.push_back({pair.first, Side(contact++, false)});
+    std::sort(sides.begin(), sides.end(),
+              [](const SideOf& a, const SideOf& b) { return a.grain < b.grain; });
+    return sides;
+  }
+  // Their number, together with the other sides of these grains.
+  Index count_with(const Buffer<SideOf>& sides) const {
+    Index sum = sides.size();
+    for (Index k = 0; k < sides.size(); ++k) {
+      const Index i = sides[k].grain;
+      if ((k == 0 || sides[k - 1].grain != i) && i < owned_) sum += count(i);
+    }
+    return sum;
+  }
+
   // Each task lists the sides of its own range of grains. Pairs belong to the grain with the lower
   // index: a task meets sides of its own grains and of those of later tasks.
   void list_sides() {
@@ -264,10 +362,6 @@ class ContactList {
     const auto first_block_of = [&](Index task) { return blocks() * task / tasks; };
     const auto first_grain_of = [&](Index task) {
       return std::min(n, first_block_of(task) * block_size);
-    };
-    struct SideOf {
-      std::uint32_t grain;
-      Side side;
     };
     Buffer<Buffer<SideOf>> of_later_tasks(tasks);
     // f(grain, side) for those of a task's own contacts, then for those that earlier tasks met.
@@ -289,7 +383,8 @@ class ContactList {
       }
     };
     // First the number of sides, then the end of the sides of each grain, then their beginning.
-    begin_.resize(n + 1);
+    resize_tightly(begin_, n);
+    resize_tightly(end_, n);
     for_each_task(tasks, [&](Index task) {
       const Index end = first_grain_of(task + 1);
       std::fill(begin_.begin() + std::ptrdiff_t(first_grain_of(task)),
@@ -312,8 +407,7 @@ class ContactList {
       before[task + 1] = sum;
     });
     std::partial_sum(before.begin(), before.end(), before.begin());
-    begin_[n] = before[tasks];
-    resize_tightly(sides_, begin_[n]);
+    resize_tightly(sides_, before[tasks]);
     for_each_task(tasks, [&](Index task) {
       const Index end = first_grain_of(task + 1);
       for (Index i = first_grain_of(task); i < end; ++i) begin_[i] += before[task];
@@ -325,7 +419,10 @@ class ContactList {
     });
     for_each_block([&](Index, Index first, Index last) {
       Buffer<std::pair<Id, Side>> by_partner;
-      for (Index i = first; i < last; ++i) sort_sides(i, by_partner);
+      for (Index i = first; i < last; ++i) {
+        end_[i] = i + 1 < n ? begin_[i + 1] : static_cast<std::uint32_t>(sides_.size());
+        sort_sides(i, by_partner);
+      }
     });
   }
 
@@ -341,9 +438,11 @@ class ContactList {
   }
 
   Buffer<Block> blocks_;
+  Buffer<Block> added_;
   Buffer<std::uint32_t> first_;
   Buffer<std::uint32_t> second_;
   Buffer<std::uint32_t> begin_;  // by grain
+  Buffer<std::uint32_t> end_;
   Buffer<Side> sides_;
   Buffer<Id> ids_;  // with those of the halo
   Index owned_ = 0;

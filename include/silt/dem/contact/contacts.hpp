@@ -23,6 +23,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
+#include <silt/dem/contact/added_grains.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -90,8 +91,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
   /// evaluation is for the grains as they are at this call.
   bool needs_search(const P& grains) const {
-    is_rebuild_announced_ =
-        state_.given_history != nullptr || have_constants_changed(grains) || is_stale(grains);
+    is_rebuild_announced_ = state_.given_history != nullptr || have_constants_changed(grains) ||
+                            !has_usable_list(grains);
     return *is_rebuild_announced_;
   }
 
@@ -198,7 +199,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// near contacts. Returns false, and adds nothing, if they are not known.
   bool add_work(const P& grains, std::span<double> work) const {
     const List& list = *state_.last.list;
-    if (list.owned_revision != grains.owned_revision()) return false;
+    if (list.rows_revision != grains.rows_revision() || list.contacts.grains() != grains.size()) {
+      return false;
+    }
     for (Index i = 0; i < work.size(); ++i) work[i] += double(list.contacts.count(i));
     return true;
   }
@@ -324,8 +327,24 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return detail::have_constants_changed(grains, *state_.last.list,
                                           state_.last.lifetime.constants_revision);
   }
-  bool is_stale(const P& grains) const {
-    return detail::is_stale(grains, walls_, time_, *state_.last.list, state_.last.lifetime);
+  // Whether the list is valid, perhaps after grains that were added are added to it.
+  bool has_usable_list(const P& grains) const {
+    const List& list = *state_.last.list;
+    return can_be_extended(grains, materials_, walls_, time_, list) &&
+           (list.contacts.grains() == grains.size() || are_list_and_histories_own()) &&
+           !is_stale(grains, walls_, time_, list, state_.last.lifetime);
+  }
+  // Whether no copy of these contacts refers to them.
+  bool are_list_and_histories_own() const {
+    const Memory* const memory = memory_.get();
+    if (memory == nullptr) return false;
+    const auto is_own = [](const auto& shared, const auto& pool, const auto&... references) {
+      return shared.use_count() == pool.has(shared.get()) + (... + long(references == shared));
+    };
+    const Evaluation& last = state_.last;
+    return is_own(last.list, memory->lists, last.list, saved_.last.list) &&
+           is_own(last.after, memory->histories, last.after, last.before, saved_.last.after,
+                  saved_.last.before);
   }
 
   ContactsOfStep results_for(const P& grains) const {
@@ -337,23 +356,30 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   const detail::RadiusRange<Real>& radii_of(const P& grains) const {
-    return radii_.get(grains, [&] {
+    const auto evaluate = [&] {
       const auto range = detail::radius_range(grains);
       if (!is_finite(2 * range.largest)) detail::check_grains(grains, materials_);
       return range;
+    };
+    return radii_.get(grains, evaluate, [R = grains.with_halo(radius)](const auto& range, Index i) {
+      return range.contains(R[i]);
     });
   }
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
     // They are evaluated by all processes, or by none.
-    if (silt::detail::any_of_all(grains, !shortest_.is_of(grains))) shortest_.forget();
-    return shortest_.get(grains, [&] {
+    const auto hold_for = [&grains](const auto& shortest, Index i) {
+      return shortest.hold_for(grains, i);
+    };
+    if (silt::detail::any_of_all(grains, !shortest_.is_of(grains, hold_for))) shortest_.forget();
+    const auto evaluate = [&] {
       if constexpr (knows_stiffness) {
         detail::check_grains(grains, materials_);
         return detail::shortest_contacts(grains, materials_, walls_);
       } else {
         return detail::ShortestContacts{};
       }
-    });
+    };
+    return shortest_.get(grains, evaluate, hold_for);
   }
 
   // An evaluation with the list and the histories before it.
@@ -362,7 +388,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     // Other parts of Forces may have had access to the masses since needs_search(); a rebuild then
     // has to wait for the next step, as the search has not been updated.
     const bool may_rebuild = is_rebuild_announced_.value_or(true);
-    const bool rebuilds = may_rebuild ? needs_search(grains) : is_stale(grains);
+    const bool rebuilds = may_rebuild ? needs_search(grains) : !has_usable_list(grains);
     is_rebuild_announced_.reset();
     Evaluation evaluation;
     evaluation.step = step;
@@ -381,11 +407,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
                              .constants_revision = grains.constants_revision()};
       evaluation.before = histories_on(list->contacts, grains);
     } else {
+      if (state_.last.contacts().grains() < grains.size()) add_to_list(grains, step);
       evaluation.list = state_.last.list;
       evaluation.lifetime = state_.last.lifetime;
       ++evaluation.lifetime.steps;
       evaluation.before = state_.last.after;
     }
+    evaluation.added_blocks = evaluation.contacts().added_blocks();
     return evaluation;
   }
 
@@ -396,9 +424,35 @@ class ContactsOf : public Contacts<Law, Walls...> {
     if constexpr (sizeof...(Walls) > 0) detail::check_walls_at_sides(grains, walls, list.margin);
     find_contacts(grains, search, walls, list, memory_->by_block);
     if constexpr (knows_stiffness) {
+      const auto law_of = [&](Index c) -> const Law& {
+        return law_between(list, materials_, walls_, c);
+      };
       list.stable_time_step = stable_for_all(
-          grains, list.contacts, walls, list.margin,
-          [&](Index c) -> const Law& { return law_between(list, materials_, walls_, c); });
+          list.contacts, detail::BoundsOfGrains(grains, list.contacts, walls, list.margin, law_of));
+    }
+  }
+
+  // Adds the grains that were added since the last step to the list, in place: it has no other
+  // owner. A step that fails leaves it as it is then, for the grains as they are.
+  void add_to_list(const P& grains, detail::StepTime step) {
+    List& list = *std::const_pointer_cast<List>(state_.last.list);
+    auto& histories = *std::const_pointer_cast<Histories>(state_.last.after);
+    step.time = list.time;
+    const auto walls = detail::walls_at<P>(walls_, step);
+    if (list.boxes.empty()) detail::extend_boxes(list.boxes, list.since, 0);
+    const auto found = detail::find_added(grains, walls, list);
+    histories.resize(list.contacts.groups_with(found));
+    const double stable_before = std::exchange(list.stable_time_step, 0.0);  // until it is known
+    const Index first = list.contacts.size();
+    detail::add_to_list(grains, found, list);
+    if constexpr (knows_stiffness) {
+      const auto law_of = [&](Index c) -> const Law& {
+        return law_between(list, materials_, walls_, c);
+      };
+      const double stable = detail::stable_for_added(
+          list.contacts, first,
+          detail::BoundsOfGrains(grains, list.contacts, walls, list.margin, law_of));
+      list.stable_time_step = std::min(stable_before, stable);
     }
   }
 
@@ -422,8 +476,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   SavedList saved_list(const P& grains) const {
     const List& last = *state_.last.list;
     const bool is_of_these =
-        !state_.given_history && last.owned_revision == grains.owned_revision() &&
-        last.walls_revision == walls_.revision() && last.constants.are_those_of(grains);
+        !state_.given_history && last.rows_revision == grains.rows_revision() &&
+        last.contacts.grains() <= grains.size() && last.walls_revision == walls_.revision() &&
+        last.constants.are_those_of(grains);
     return is_of_these ? SavedList(last) : SavedList();
   }
   void restore_list(const SavedList& saved, const P& grains) {

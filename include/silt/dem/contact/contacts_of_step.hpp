@@ -277,8 +277,10 @@ class ContactsOfStep {
   void evaluate_again(Real* rows) const {
     const BlockInput<P, Law, Walls> input(evaluation_, evaluation_.grains.rows(), materials_,
                                           walls_, settings_);
-    evaluation_.contacts().for_each_block(
-        [&](Index block, Index, Index) { evaluate_block(input, block, true, {.rows = rows}); });
+    const auto evaluate = [&](Index block) { evaluate_block(input, block, true, {.rows = rows}); };
+    const ContactList& list = evaluation_.contacts();
+    list.for_each_block([&](Index block, Index, Index) { evaluate(block); });
+    for (Index k = 0; k < evaluation_.added_blocks; ++k) evaluate(list.blocks() + k);
   }
 
   const P& grains_;

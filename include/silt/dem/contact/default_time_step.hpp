@@ -46,6 +46,24 @@ struct TypicalContact {
 struct ShortestContacts {
   TypicalContact of_grains;
   TypicalContact of_all;
+  /// Of all lightest grains.
+  struct {
+    double mass = 0;     ///< [kg]
+    double radius = 0;   ///< the smallest [m]
+    double inertia = 0;  ///< the smallest [kg m²]
+  } lightest{};
+  Buffer<std::uint32_t> materials;  ///< that grains have, in ascending order
+
+  /// Whether they are the same with a further grain.
+  template <class P>
+  bool hold_for(const P& grains, Index i) const {
+    const double m = double(grains[mass][i]);
+    const bool is_not_lighter =
+        m > lightest.mass || (m == lightest.mass && double(grains[radius][i]) >= lightest.radius &&
+                              double(grains[inertia][i]) >= lightest.inertia);
+    return is_not_lighter &&
+           std::binary_search(materials.begin(), materials.end(), grains[material][i]);
+  }
 };
 
 /// The numbers, in ascending order, of the materials that at least one grain has, of all processes.
@@ -87,6 +105,7 @@ template <class P, class Law, class Walls>
       grains, std::array{minus_least(grains[radius]), minus_least(grains[inertia])});
   const double R = -minus_R;
   const double m_over_I = lightest / -minus_I;
+  shortest.lightest = {.mass = lightest, .radius = R, .inertia = -minus_I};
   // `share` is ½ between two such grains and 1 at a wall.
   const auto add = [&](TypicalContact& to, const Law& law, double share, TypicalContact typical) {
     Contact<P::dimension, Real> contact{};
@@ -101,7 +120,8 @@ template <class P, class Law, class Walls>
     typical.duration = contact_duration({.mass = share * lightest, .stiffness = stiffest});
     if (typical.duration < to.duration) to = typical;
   };
-  const auto present = materials_of(grains, materials);
+  shortest.materials = materials_of(grains, materials);
+  const auto& present = shortest.materials;
   for (const std::uint32_t a : present) {
     for (const std::uint32_t b : present) {
       add(shortest.of_grains, materials.between(a, b), 0.5, {.material = a, .other = b});

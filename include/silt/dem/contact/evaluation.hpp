@@ -17,6 +17,7 @@
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/law_history.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 
@@ -34,6 +35,10 @@ class Pool {
       return each;
     }
     return all_.emplace_back(std::make_shared<T>());
+  }
+  bool has(const T* object) const {
+    return std::any_of(all_.begin(), all_.end(),
+                       [object](const auto& each) { return each.get() == object; });
   }
   /// Frees those without another owner.
   void free_unused() {
@@ -103,6 +108,7 @@ struct Evaluation {
   SharedGrains<P> grains;
   Box<P::dimension, Real> box;
   Index count = 0;  ///< of contacts that touch
+  Index added_blocks = 0;  ///< of the list in this step; a later one may have added further
   StepTime step;
   mutable ListLifetime lifetime;  ///< of the list
 

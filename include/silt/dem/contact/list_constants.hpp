@@ -23,23 +23,32 @@ struct ListConstants {
   Buffer<Real> inertias;            ///< [kg m²]
   Buffer<std::uint32_t> materials;  ///< indices in dem::Materials
 
+  /// Those of the first n grains.
   template <class P>
-  void keep(const P& grains) {
-    const auto assign = [&](auto field, auto& values) {
-      const auto now = grains.with_halo(field);
-      values.assign(now.begin(), now.end());
-    };
-    assign(radius, radii);
-    assign(mass, masses);
-    assign(inertia, inertias);
-    assign(material, materials);
+  void keep(const P& grains, Index n) {
+    for_each_column(grains, [n](auto& values, const auto& now) {
+      values.assign(now.begin(), now.begin() + std::ptrdiff_t(n));
+    });
+  }
+  /// Reserves memory for those that were added since, so that add() does not throw.
+  template <class P>
+  void make_room(const P& grains) {
+    for_each_column(grains,
+                    [](auto& values, const auto& now) { reserve_tightly(values, now.size()); });
+  }
+  /// Adds those of grains that were added since.
+  template <class P>
+  void add(const P& grains) {
+    for_each_column(grains, [](auto& values, const auto& now) {
+      for (Index i = values.size(); i < now.size(); ++i) values.push_back(now[i]);
+    });
   }
 
-  /// Compares all values.
+  /// Compares all values that are kept. Further grains may have been added.
   template <class P>
   bool are_those_of(const P& grains) const {
-    return radii.size() == grains.local() &&
-           first_where(grains.local(), differ_from(grains)) == no_index;
+    return radii.size() <= grains.local() &&
+           first_where(radii.size(), differ_from(grains)) == no_index;
   }
 
   /// A function of the grain i: whether it has other constants. For as many grains.
@@ -50,6 +59,16 @@ struct ListConstants {
       return R[i] != radii[i] || m[i] != masses[i] || I[i] != inertias[i] ||
              numbers[i] != materials[i];
     };
+  }
+
+ private:
+  // f(values, values of the grains now)
+  template <class P, class F>
+  void for_each_column(const P& grains, F&& f) {
+    f(radii, grains.with_halo(radius));
+    f(masses, grains.with_halo(mass));
+    f(inertias, grains.with_halo(inertia));
+    f(materials, grains.with_halo(material));
   }
 };
 
@@ -79,7 +98,7 @@ class UnnoticedChanges {
   UnnoticedChanges(const P& grains, const List& list, const Lifetime& lifetime)
       : constants_(list.constants),
         is_changed_(constants_.differ_from(grains)),
-        is_comparable_(list.owned_revision == grains.owned_revision() &&
+        is_comparable_(list.rows_revision == grains.rows_revision() &&
                        constants_.radii.size() == grains.local() &&
                        lifetime.constants_revision == grains.constants_revision()),
         turn_(lifetime.steps % period) {}

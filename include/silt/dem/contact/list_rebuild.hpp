@@ -32,15 +32,18 @@ struct ListOrigin {
   double time = 0;                    ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]
   double stable_time_step = 0;        ///< stable even if all its pairs touch [s]
+  Index added = 0;                    ///< number of grains added to it, see added_grains.hpp
 };
 
 /// A list of contacts, used by all steps until pairs that it does not contain may touch.
 template <int Dim, class Real>
 struct ReusableList : ListOrigin<Dim, Real> {
   ContactList contacts;
-  std::uint64_t owned_revision = 0;  ///< of the grains
+  std::uint64_t rows_revision = 0;   ///< of the grains
   std::uint64_t walls_revision = 0;  ///< of the WallSet
   ListConstants<Real> constants;     ///< of the grains when it was built
+  Real largest_radius = 0;           ///< of them [m]
+  Buffer<Box<Dim, Real>> boxes;      ///< around `since` by block, see added_grains.hpp
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
@@ -83,6 +86,16 @@ struct GrainConstants {
        where);
 }
 
+/// Whether radius, mass and inertia of a grain are positive and finite, products of radius and mass
+/// neither underflow nor overflow, and its material exists.
+template <class P, class Law>
+bool is_valid(const P& grains, const Materials<Law>& materials, Index i) {
+  const auto R = grains[radius][i];
+  const auto m = grains[mass][i];
+  return is_radius(R) && is_positive_normal(m) && is_positive_normal(grains[inertia][i]) &&
+         has_products(R, m) && grains[material][i] < materials.count();
+}
+
 /// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
 /// underflow or overflow, or if a grain's material does not exist.
 template <class P, class Law>
@@ -91,10 +104,8 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   const auto m = grains[mass];
   const auto inertias = grains[inertia];
   const auto numbers = grains[material];
-  const Index odd = first_where(grains.size(), [&](Index i) {
-    return !(is_radius(R[i]) && is_positive_normal(m[i]) && is_positive_normal(inertias[i]) &&
-             has_products(R[i], m[i]) && numbers[i] < materials.count());
-  });
+  const Index odd =
+      first_where(grains.size(), [&](Index i) { return !is_valid(grains, materials, i); });
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
@@ -128,13 +139,13 @@ Real longest_period(const Box<Dim, Real>& box) {
 
 /// Whether pairs other than those of the list may touch at this time [s]: two grains approach by at
 /// most the sum of their displacements relative to the mean of all, a grain and a wall by at most
-/// the sum of theirs. The answer does not depend on `lifetime`, which saves time. `walls` is a
-/// WallSet.
+/// the sum of theirs. The answer does not depend on `lifetime`, which saves time, and not on grains
+/// that were added to those of the list. `walls` is a WallSet.
 template <class P, class Walls, class List>
 bool is_stale(const P& grains, const Walls& walls, double time, const List& list,
               ListLifetime& lifetime) {
   using Real = typename P::Real;
-  if (list.owned_revision != grains.owned_revision()) return true;
+  if (list.rows_revision != grains.rows_revision()) return true;
   if (list.walls_revision != walls.revision()) return true;
   if (grains.empty()) return false;
   const Real half = list.margin / 2;
@@ -145,11 +156,12 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
   const Travel travel = grains.travel();
   if (travel.is_within(lifetime.distance, lifetime.since)) return false;
   const auto x = grains.with_halo(position);
+  const Index n = list.since.size();
   const auto& box = grains.box();
   const NearestImage<P::dimension, Real> image(box);
   const auto displacement = [&](Index i) { return image(typename P::Vec(x[i] - list.since[i])); };
   const auto max_relative_to = [&](const typename P::Vec& mean) {
-    return std::sqrt(largest(x.size(), Real(0), [&](Index i) {
+    return std::sqrt(largest(n, Real(0), [&](Index i) {
       const Real squared = (displacement(i) - mean).squaredNorm();
       // A search moves grains that have gone beyond the periodic box back into it.
       const bool is_inside = !image.any() || box.wrap(x[i]) == x[i];
@@ -162,9 +174,8 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
   // How far grains may travel until this loop would find the list stale.
   Real safe = half - displaced;
   if (safe < 0 && left_to_walls >= 0) {
-    const typename P::Vec sum =
-        ordered_sum(x.size(), typename P::Vec(P::Vec::Zero()), displacement);
-    const Real left = half - max_relative_to(sum / Real(x.size()));
+    const typename P::Vec sum = ordered_sum(n, typename P::Vec(P::Vec::Zero()), displacement);
+    const Real left = half - max_relative_to(sum / Real(n));
     if (!(left >= 0)) return true;
     // The mean moves as well, and beyond half a period another image is the nearest.
     safe = std::min({left / 2, left_to_walls, half_period(box) - displaced});
@@ -218,16 +229,41 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   }
   const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * step.time_step) * fastest,
                                        Real(0.006) * reach, Real(0.1) * reach);
+  list.largest_radius = reach / 2;
   const Real seen = search.radius() + margin_of<Real>(search) - reach;
   list.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
-  list.owned_revision = grains.owned_revision();
+  list.rows_revision = grains.rows_revision();
+  list.added = 0;
+  list.boxes.clear();
   list.walls_revision = walls.revision();
   list.time = step.time;
   list.extent.lower.array() -= list.margin;
   list.extent.upper.array() += list.margin;
   const auto x = grains.with_halo(position);
   list.since.assign(x.begin(), x.end());
-  list.constants.keep(grains);
+  list.constants.keep(grains, x.size());
+}
+
+/// Adds the elements of walls with a gap to a grain below the margin [m]; `walls` is a WallsAtTime.
+template <class P, class Walls>
+void add_walls_near(const P& grains, const Walls& walls, typename P::Real margin, Index i,
+                    ContactList::PairsOfBlock& pairs) {
+  using Real = typename P::Real;
+  const Real R = grains[radius][i];
+  const auto first = std::ptrdiff_t(pairs.walls.size());
+  auto of_other_images = first;
+  // Also near the images of a grain that may cross a periodic side while the list is valid.
+  for_each_image(grains.box(), typename P::Vec(grains[position][i]), margin, [&](const auto& at) {
+    walls.for_each_element_near(at, Real(R + margin), [&](Index element) {
+      const auto begin = pairs.walls.begin();
+      if (std::any_of(begin + first, begin + of_other_images,
+                      [element](const auto& pair) { return pair.second == element; })) {
+        return;
+      }
+      pairs.add_wall(i, element);
+    });
+    of_other_images = std::ptrdiff_t(pairs.walls.size());
+  });
 }
 
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
@@ -251,28 +287,12 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
       pairs.add_pair(in_order ? i : j, in_order ? j : i);
     });
   };
-  const auto add_walls = [&](Index i, ContactList::PairsOfBlock& pairs) {
-    const auto first = std::ptrdiff_t(pairs.walls.size());
-    auto of_other_images = first;
-    // Also near the images of a grain that may cross a periodic side while the list is valid.
-    for_each_image(grains.box(), typename P::Vec(x[i]), list.margin, [&](const auto& at) {
-      walls.for_each_element_near(at, Real(R[i] + list.margin), [&](Index element) {
-        const auto begin = pairs.walls.begin();
-        if (std::any_of(begin + first, begin + of_other_images,
-                        [element](const auto& pair) { return pair.second == element; })) {
-          return;
-        }
-        pairs.add_wall(i, element);
-      });
-      of_other_images = std::ptrdiff_t(pairs.walls.size());
-    });
-  };
   list.contacts.build(
       grains.ids_with_halo(), grains.size(),
       [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
         for (Index i = first; i < last; ++i) {
           add_pairs(i, pairs);
-          if (Walls::count > 0) add_walls(i, pairs);
+          if (Walls::count > 0) add_walls_near(grains, walls, list.margin, i, pairs);
         }
       },
       by_block);

@@ -15,24 +15,32 @@ namespace silt::dem::detail {
 template <class T>
 class OfConstants {
  public:
-  /// Whether the last result is of these grains.
-  template <class P>
-  bool is_of(const P& grains) const {
-    return revision_ == grains.constants_revision();
+  /// Whether the last result is of these grains; holds_for(result, i) tells whether it is with a
+  /// grain i that was added since.
+  template <class P, class HoldsFor>
+  bool is_of(const P& grains, HoldsFor&& holds_for) {
+    if (revision_ != grains.constants_revision() || rows_ != grains.rows_revision()) return false;
+    while (number_ < grains.local() && holds_for(std::as_const(value_), number_)) ++number_;
+    return number_ == grains.local();
   }
   void forget() { revision_ = 0; }
   /// evaluate(), or its last result. If it throws, it is evaluated again by the next call.
-  template <class P, class F>
-  const T& get(const P& grains, F&& evaluate) {
-    if (revision_ != grains.constants_revision()) {
+  template <class P, class F, class HoldsFor>
+  const T& get(const P& grains, F&& evaluate, HoldsFor&& holds_for) {
+    if (!is_of(grains, holds_for)) {
+      forget();
       value_ = evaluate();
       revision_ = grains.constants_revision();
+      rows_ = grains.rows_revision();
+      number_ = grains.local();
     }
     return value_;
   }
 
  private:
-  std::uint64_t revision_ = 0;
+  std::uint64_t revision_ = 0;  // of the constants
+  std::uint64_t rows_ = 0;      // revision
+  Index number_ = 0;            // of grains
   T value_{};
 };
 
@@ -41,6 +49,9 @@ template <class Real>
 struct RadiusRange {
   Real smallest = 0;  ///< [m]; infinite without grains
   Real largest = 0;   ///< [m]
+
+  /// Whether it contains this radius [m].
+  bool contains(Real R) const { return R >= smallest && R <= largest; }
 };
 template <class P>
 RadiusRange<typename P::Real> radius_range(const P& grains) {

@@ -5,6 +5,7 @@
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
@@ -69,13 +70,14 @@ class SavedList {
     archive("extent_lower", origin_.extent.lower);
     archive("extent_upper", origin_.extent.upper);
     archive("stable_time_step", origin_.stable_time_step);
+    archive("added", origin_.added);
   }
 
   /// Throws if there is a list that cannot be of these grains.
   template <class P>
   void check(const P& grains) const {
     if (!is_known_) return;
-    if (origin_.since.size() != grains.size() || first_.size() != second_.size()) {
+    if (origin_.since.size() > grains.size() || first_.size() != second_.size()) {
       fail({"dem::Contacts: the list has ", origin_.since.size(), " positions for ", grains.size(),
             " grains, and ", first_.size(), " and ", second_.size(),
             " partners of pairs; use an earlier checkpoint"});
@@ -83,6 +85,10 @@ class SavedList {
     Buffer<std::pair<Id, Id>> pairs(first_.size());
     for (Index k = 0; k < pairs.size(); ++k) {
       check_pair(grains, first_[k], second_[k]);
+      for (const Id id : {first_[k], second_[k]}) {
+        if (is_wall_id(id) || grains.index_of(id) < origin_.since.size()) continue;
+        refuse_pair(first_[k], second_[k], "has no position in the list");
+      }
       pairs[k] = {first_[k], second_[k]};
     }
     std::sort(pairs.begin(), pairs.end());
@@ -100,10 +106,11 @@ class SavedList {
   /// Requires check() and fits().
   template <class P>
   void restore(const P& grains, List& list, Buffer<ContactList::PairsOfBlock>& by_block) const {
-    std::vector<Buffer<Index>> of_grain(grains.size());
+    const Index n = origin_.since.size();  // others may have been added after the last step
+    std::vector<Buffer<Index>> of_grain(n);
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
     list.contacts.build(
-        grains.ids_with_halo(), grains.size(),
+        grains.ids().first(n), n,
         [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
           for (Index i = first; i < last; ++i) {
             for (const Index k : of_grain[i]) {
@@ -117,8 +124,11 @@ class SavedList {
         },
         by_block);
     static_cast<ListOrigin<Dim, Real>&>(list) = origin_;
-    list.owned_revision = grains.owned_revision();
-    list.constants.keep(grains);
+    list.rows_revision = grains.rows_revision();
+    list.constants.keep(grains, n);
+    const auto& radii = list.constants.radii;
+    list.largest_radius = largest(n, Real(0), [&](Index i) { return radii[i]; });
+    list.boxes.clear();
   }
 
  private:

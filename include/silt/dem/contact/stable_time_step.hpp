@@ -19,6 +19,7 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <utility>
 
 namespace silt::dem::detail {
 
@@ -31,6 +32,11 @@ struct StabilityBounds {
     spring += more.spring;
     dashpot += more.dashpot;
     return *this;
+  }
+  /// Makes each at least as large as the other's.
+  void include(const StabilityBounds& other) {
+    spring = std::max(spring, other.spring);
+    dashpot = std::max(dashpot, other.dashpot);
   }
 
   /// [s]; infinite without stiffness.
@@ -169,58 +175,93 @@ class FrequencyBound {
   Matrix dashpots_{};
 };
 
-/// A time step [s] that is stable for all grains, even if all pairs of the list touch. Infinite
-/// without stiffness. law_of(c) is the law of a contact, margin [m] the largest gap of contacts in
-/// the list, `walls` a WallsAtTime. Throws if a law returns a stiffness that is not possible.
+/// The bounds of single grains even if all their pairs of the list touch; 0 without stiffness.
+/// law_of(c) is the law of a contact, margin [m] the largest gap of contacts in the list, `walls` a
+/// WallsAtTime. Refers to its arguments.
 template <class P, class Walls, class LawOf>
-double stable_for_all(const P& grains, const ContactList& list, const Walls& walls,
-                      typename P::Real margin, LawOf&& law_of) {
+class BoundsOfGrains {
   using Real = typename P::Real;
-  const auto x = grains.with_halo(position);
-  const auto R = grains.with_halo(radius);
-  const auto m = grains.with_halo(mass);
-  const auto I = grains[inertia];
-  const NearestImage<P::dimension, Real> image(grains.box());
-  const auto contribution = [&](Index i, Index c, const Lever& lever) {
-    const ContactBodies bodies = bodies_of(list, c);
+
+ public:
+  BoundsOfGrains(const P& grains, const ContactList& list, const Walls& walls, Real margin,
+                 const LawOf& law_of)
+      : grains_(grains),
+        list_(list),
+        walls_(walls),
+        margin_(margin),
+        law_of_(law_of),
+        x_(grains.with_halo(position)),
+        R_(grains.with_halo(radius)),
+        m_(grains.with_halo(mass)),
+        I_(grains[inertia]),
+        image_(grains.box()) {}
+
+  /// Throws if a law returns a stiffness that is not possible.
+  StabilityBounds operator()(Index i) const {
+    const Lever lever{.mass_over_inertia = double(m_[i]) / double(I_[i]), .arm = double(R_[i])};
+    StabilityBounds sum;
+    for (const ContactList::Side side : list_.of(i)) sum += contribution(i, side.contact(), lever);
+    return sum;
+  }
+
+ private:
+  StabilityBounds contribution(Index i, Index c, const Lever& lever) const {
+    const ContactBodies bodies = bodies_of(list_, c);
     Contact<P::dimension, Real> contact;
-    contact.effective_mass = m[bodies.i];
-    contact.effective_radius = R[bodies.i];
+    contact.effective_mass = m_[bodies.i];
+    contact.effective_radius = R_[bodies.i];
     // Springs may stiffen with the overlap.
-    contact.overlap = margin;
+    contact.overlap = margin_;
     if (bodies.j != no_index) {
-      contact.effective_mass *= m[bodies.j] / (m[bodies.i] + m[bodies.j]);
-      contact.effective_radius *= R[bodies.j] / (R[bodies.i] + R[bodies.j]);
-      const Real distance = image(typename P::Vec(x[bodies.j] - x[bodies.i])).norm();
-      contact.overlap += std::max<Real>(0, R[bodies.i] + R[bodies.j] - distance);
+      contact.effective_mass *= m_[bodies.j] / (m_[bodies.i] + m_[bodies.j]);
+      contact.effective_radius *= R_[bodies.j] / (R_[bodies.i] + R_[bodies.j]);
+      const Real distance = image_(typename P::Vec(x_[bodies.j] - x_[bodies.i])).norm();
+      contact.overlap += std::max<Real>(0, R_[bodies.i] + R_[bodies.j] - distance);
     } else {
-      const auto at = walls.nearest(bodies.wall, x[bodies.i]);
-      contact.overlap += std::max<Real>(0, R[bodies.i] - at.distance);
+      const auto at = walls_.nearest(bodies.wall, x_[bodies.i]);
+      contact.overlap += std::max<Real>(0, R_[bodies.i] - at.distance);
     }
     const double share =
-        share_of(double(m[i]), double(contact.effective_mass), Shares::by_root_mass);
-    const Stiffness k = law_of(c).stiffness(contact);
-    check_stiffness(k, [] { return "a contact of this grain"; }, {i, grains.id(i)});
+        share_of(double(m_[i]), double(contact.effective_mass), Shares::by_root_mass);
+    const Stiffness k = law_of_(c).stiffness(contact);
+    check_stiffness(k, [] { return "a contact of this grain"; }, {i, grains_.id(i)});
     return contribution_bound(k, share, lever);
-  };
+  }
+
+  const P& grains_;
+  const ContactList& list_;
+  const Walls& walls_;
+  Real margin_;
+  const LawOf& law_of_;
+  decltype(std::declval<const P&>().with_halo(position)) x_;
+  decltype(std::declval<const P&>().with_halo(radius)) R_;
+  decltype(std::declval<const P&>().with_halo(mass)) m_;
+  decltype(std::declval<const P&>()[inertia]) I_;
+  NearestImage<P::dimension, Real> image_;
+};
+
+/// A time step [s] that is stable for all grains, even if all pairs of the list touch. Infinite
+/// without stiffness. `bounds_of` is a BoundsOfGrains. Throws as it does.
+template <class BoundsOf>
+double stable_for_all(const ContactList& list, const BoundsOf& bounds_of) {
   Buffer<StabilityBounds> of_block(list.blocks());
   list.for_each_block([&](Index b, Index first, Index last) {
     StabilityBounds largest;
-    for (Index i = first; i < last; ++i) {
-      const Lever lever{.mass_over_inertia = double(m[i]) / double(I[i]), .arm = double(R[i])};
-      StabilityBounds sum;
-      for (const ContactList::Side side : list.of(i)) {
-        sum += contribution(i, side.contact(), lever);
-      }
-      largest.spring = std::max(largest.spring, sum.spring);
-      largest.dashpot = std::max(largest.dashpot, sum.dashpot);
-    }
+    for (Index i = first; i < last; ++i) largest.include(bounds_of(i));
     of_block[b] = largest;
   });
   StabilityBounds all;
-  for (const StabilityBounds& one : of_block) {
-    all.spring = std::max(all.spring, one.spring);
-    all.dashpot = std::max(all.dashpot, one.dashpot);
+  for (const StabilityBounds& one : of_block) all.include(one);
+  return all.stable_time_step();
+}
+
+/// The same for the grains with contacts that were added to the list from contact `first` on.
+template <class BoundsOf>
+double stable_for_added(const ContactList& list, Index first, const BoundsOf& bounds_of) {
+  StabilityBounds all;
+  for (Index c = first; c < list.size(); ++c) {
+    all.include(bounds_of(list.first(c)));
+    if (!list.is_of_wall(c)) all.include(bounds_of(list.second(c)));
   }
   return all.stable_time_step();
 }

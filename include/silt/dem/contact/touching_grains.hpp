@@ -21,10 +21,7 @@ class TouchingGrains {
  public:
   void resize(Index grains) { words_.resize(block_count(grains) * words_per_block); }
 
-  void remove_blocks(Index first, Index last) {
-    std::fill(words_.begin() + std::ptrdiff_t(first * words_per_block),
-              words_.begin() + std::ptrdiff_t(last * words_per_block), std::uint64_t(0));
-  }
+  void clear() { std::fill(words_.begin(), words_.end(), std::uint64_t(0)); }
   void add(Index grain) { words_[grain / 64] |= std::uint64_t(1) << (grain % 64); }
   void add_block(Index block) {
     std::fill_n(words_.begin() + std::ptrdiff_t(block * words_per_block), words_per_block,

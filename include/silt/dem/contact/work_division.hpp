@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <utility>
 
 namespace silt::dem::detail {
 
@@ -23,10 +24,13 @@ class WorkDivision {
   /// Adapts it to a list and a number of threads, unless it already is.
   void fit(const ContactList& list, Index threads) {
     threads = std::min(threads, std::max<Index>(list.blocks(), 1));
-    if (&list == list_ && threads == this->threads()) return;
+    if (&list == list_ && threads == this->threads()) {
+      if (list.grains() != order_.size()) add(list);
+      return;
+    }
     list_ = nullptr;  // until all is done
     divide(list, threads);
-    slot_of_group_.resize(list.groups());
+    slot_of_group_.resize(list.groups_of_grains());
     row_of_side_.resize(list.sides().size());
     is_deferred_.assign(list.grains(), 0);
     deferred_.resize(threads);
@@ -40,14 +44,10 @@ class WorkDivision {
         slot_of_group_[g] += static_cast<std::uint32_t>(slots_[t]);
       }
     });
+    number_added_groups(list);
     order_.resize(list.grains());
     for_each_range(list.grains(), [&](Index first, Index last) { order(list, first, last); });
-    for_each(list.grains(), [&](Index i) {
-      for (Index s = list.begin(i); s < list.begin(i) + list.count(i); ++s) {
-        const ContactList::Side side = list.sides()[s];
-        row_of_side_[s] = static_cast<std::uint32_t>(8 * row_of(side.contact()) + side.is_second());
-      }
-    });
+    for_each(list.grains(), [&](Index i) { find_rows(list, list.begin(i), list.end(i)); });
     list_ = &list;
   }
   /// Forgets the list.
@@ -98,6 +98,39 @@ class WorkDivision {
   const std::uint32_t* row_of_side() const noexcept { return row_of_side_.data(); }
 
  private:
+  // Grains were added to the list, see ContactList::add().
+  void add(const ContactList& list) {
+    const ContactList* const same = std::exchange(list_, nullptr);  // until all is done
+    first_block_.back() = list.blocks();
+    is_deferred_.resize(list.grains(), 0);
+    const Index first = order_.size() / range_size * range_size;
+    resize_tightly(order_, list.grains());
+    for (Index i = first; i < list.grains(); i += range_size) {
+      order(list, i, std::min(i + range_size, list.grains()));
+    }
+    number_added_groups(list);
+    const Index known = row_of_side_.size();
+    resize_tightly(row_of_side_, list.sides().size());
+    find_rows(list, known, list.sides().size());
+    list_ = same;
+  }
+
+  // Their slots are not used again: any grain may read them.
+  void number_added_groups(const ContactList& list) {
+    Index group = slot_of_group_.size();
+    resize_tightly(slot_of_group_, list.groups());
+    while (group < list.groups())
+      slot_of_group_[group++] = static_cast<std::uint32_t>(slots_.back()++);
+  }
+
+  // Of the sides [first, last).
+  void find_rows(const ContactList& list, Index first, Index last) {
+    for (Index s = first; s < last; ++s) {
+      const ContactList::Side side = list.sides()[s];
+      row_of_side_[s] = static_cast<std::uint32_t>(8 * row_of(side.contact()) + side.is_second());
+    }
+  }
+
   // Equal shares of the work, where a grain takes as long as two contacts.
   void divide(const ContactList& list, Index threads) {
     Buffer<Index> work(list.blocks() + 1, 0);
@@ -114,7 +147,7 @@ class WorkDivision {
   }
 
   static Index group_of(const ContactList& list, Index block) {
-    return block < list.blocks() ? list.block(block).all().first / lanes : list.groups();
+    return block < list.blocks() ? list.block(block).all().first / lanes : list.groups_of_grains();
   }
 
   void find_deferred(const ContactList& list, Index t) {
@@ -124,7 +157,7 @@ class WorkDivision {
     const Index last = std::min(first_block_[t + 1] * block_size, list.grains());
     for (Index i = first * block_size; i < last; ++i) {
       for (const ContactList::Side side : list.of(i)) {
-        if (list.block_of(side.contact()) >= first) continue;
+        if (list.is_added(side.contact()) || list.block_of(side.contact()) >= first) continue;
         is_deferred_[i] = 1;
         deferred.push_back(static_cast<std::uint32_t>(i));
         break;

@@ -124,12 +124,9 @@ template <class P>
 Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   using Real = typename P::Real;
   const auto [m, I] = detail::inertia_of<P>(grain);
-  const Index i = grains.add(x);
-  grains[radius][i] = Real(grain.radius);
-  grains[mass][i] = Real(m);
-  grains[inertia][i] = Real(I);
-  grains[material][i] = static_cast<std::uint32_t>(grain.material);
-  return i;
+  return grains.add(x, Initial{radius, Real(grain.radius)}, Initial{mass, Real(m)},
+                    Initial{inertia, Real(I)},
+                    Initial{material, static_cast<std::uint32_t>(grain.material)});
 }
 
 /// Equal grains at rest at these points [m], in an unbounded box (set_box() gives them another);

@@ -86,7 +86,10 @@ class Inflow {
   /// Throws if the region, the blend or a setting is out of range, and if more than 1e8 grains
   /// would be added at once.
   Inflow(R region, Blend<Sizes> blend, const Settings& settings)
-      : region_(std::move(region)), blend_(std::move(blend)), settings_(settings) {
+      : region_(std::move(region)),
+        blend_(std::move(blend)),
+        settings_(settings),
+        near_(region_.bounds(), blend_.sizes.largest()) {
     region_.check();
     blend_.check();
     if (settings_.rate) require_positive("Inflow: rate", *settings_.rate);
@@ -148,7 +151,8 @@ class Inflow {
   template <class P, class TouchesWall>
   void add_grains(P& grains, Index target, double time, TouchesWall&& touches_wall) {
     check_number(target - added_);
-    detail::Placement<R, P::dimension, Real> placement(grains, region_, blend_.sizes.largest());
+    detail::Placement<R, P::dimension, Real> placement(grains, region_,
+                                                       near_.find(std::as_const(grains)));
     while (added_ < target) {
       Random random{.seed = settings_.seed, .id = added_};
       const Grain grain = blend_.draw(random);
@@ -194,6 +198,7 @@ class Inflow {
   Index added_ = 0;
   std::uint64_t tried_ = 0;  // random numbers used so far for the next grain
   detail::Schedule schedule_;
+  detail::GrainsNear<Vec::RowsAtCompileTime, Real> near_;
 };
 
 template <class R, class Sizes>

@@ -9,6 +9,7 @@
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
+#include <silt/dem/setup/grains_near.hpp>
 #include <silt/dem/setup/placement_limits.hpp>
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
@@ -22,6 +23,7 @@
 #include <map>
 #include <new>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
@@ -155,15 +157,18 @@ class Placement {
   /// the largest grain to be placed [m].
   template <class P>
   Placement(const P& grains, const Region& region, double largest)
+      : Placement(grains, region, GrainsNear<Dim, Real>(region.bounds(), largest).find(grains)) {}
+  /// With these grains near the region, see GrainsNear.
+  template <class P>
+  Placement(const P& grains, const Region& region, std::span<const Index> near)
       : region_(region), bounds_(region.bounds()), box_(grains.box()), occupancy_(grains.box()) {
     check_bounds(bounds_);
-    const auto x = grains[position];
-    const auto R = grains[radius];
-    for (Index i = 0; i < grains.size(); ++i) {
-      require_finite("dem: position of an existing grain", typename P::Vec(x[i]));
-      require_positive("dem: radius of an existing grain", double(R[i]));
-      const bool near = box_.any_periodic() || bounds_.clearance(x[i]) > -R[i] - Real(largest);
-      if (near) occupancy_.add({x[i], R[i]});
+    for (const Index i : near) {
+      const typename P::Vec x = grains[position][i];
+      const Real R = grains[radius][i];
+      require_finite("dem: position of an existing grain", x);
+      require_positive("dem: radius of an existing grain", double(R));
+      occupancy_.add({x, R});
     }
   }
 
