@@ -245,18 +245,23 @@ TEST(ContactList, IsRebuiltForDisplacementsAfterRounding) {
 TEST(ContactList, OfOtherGrainsIsRejectedInACheckpoint) {
   const Vec<2> zero(0, 0);
   dem::detail::SavedList<2, double> list;
-  ReadsThese archive({{"is_known", true},
-                      {"first", Buffer<Id>{0}},
-                      {"second", Buffer<Id>{1}},
-                      {"since", Buffer<Vec<2>>{zero}},
-                      {"margin", 0.1},
-                      {"time", 0.0},
-                      {"extent_lower", zero},
-                      {"extent_upper", zero},
-                      {"stable_time_step", 1.0}});
-  list.transfer(archive);
-  EXPECT_TRUE(refuses([&] { list.check(two_grains<2>(0.01, {0, 0})); },
-                      {"dem::Contacts: the list has 1 positions for 2 grains"}));
+  const auto expect_refusal = [&](const Buffer<Vec<2>>& since, const char* reason) {
+    ReadsThese archive({{"is_known", true},
+                        {"first", Buffer<Id>{0}},
+                        {"second", Buffer<Id>{1}},
+                        {"since", since},
+                        {"margin", 0.1},
+                        {"time", 0.0},
+                        {"extent_lower", zero},
+                        {"extent_upper", zero},
+                        {"stable_time_step", 1.0},
+                        {"added", Index(0)}});
+    list.transfer(archive);
+    EXPECT_TRUE(refuses([&] { list.check(two_grains<2>(0.01, {0, 0})); }, {reason}));
+  };
+  expect_refusal({zero, zero, zero}, "dem::Contacts: the list has 3 positions for 2 grains");
+  // The second grain may have been added later, but then the list has no contact of it.
+  expect_refusal({zero}, "has no position in the list");
 }
 
 }  // namespace

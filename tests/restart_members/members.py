@@ -32,8 +32,8 @@ NOT_STORED = {
     **particles({"ids_": "Particles::transfer() names them",
                  **all_of("ghosts: those of the last update of the search, which makes them again when it is "
                           "read", "owners_ shifts_"),
-                 **all_of(NUMBER, "revision_ owned_revision_ ghosts_revision_ positions_changed_ "
-                                  "constants_changed_ constants_revision_"),
+                 **all_of(NUMBER, "revision_ owned_revision_ rows_revision_ is_copy_ ghosts_revision_ "
+                                  "positions_changed_ constants_changed_ constants_revision_"),
                  "travel_": "a bound that only saves time",
                  **all_of("of the halo, which processes find anew", "halo_ state_changed_")}),
     "Gravity": {"g_": GIVEN},
@@ -72,19 +72,20 @@ NOT_STORED = {
                    "state_.last.list": "saved_list() has it",
                    "state_.last.after": "history() has them",
                    **all_of(LAST, "state_.last.before state_.last.grains state_.last.box state_.last.count "
+                                  "state_.last.added_blocks "
                                   "state_.last.step"),
                    "state_.last.lifetime": "a bound that only saves time: is_stale() decides the same without it",
                    "state_.given_history": "history() has it",
                    "saved_": ROLLBACK, "memory_": MEMORY},
     "SavedList": all_of("is that of a box without periodic sides", "origin_.extent.periodic origin_.extent.on_escape"),
-    "ReusableList": {**all_of("SavedList names them", "since margin time extent stable_time_step contacts"),
-                     **all_of(NUMBER, "owned_revision walls_revision"),
+    "ReusableList": {**all_of("SavedList names them", "since margin time extent stable_time_step added contacts"),
+                     **all_of(NUMBER, "rows_revision walls_revision"), **all_of(ANEW, "boxes largest_radius"),
                      "constants": "those of the grains: a list of others is not stored"},
     "Histories": {"numbers_": "ContactsOf::history() has them", "touching_": "ContactsOf::history() has them"},
     "MeanMotion": {**all_of(ANEW, "duration_ v_ w_ stays_"),
                    "carried_away_": "EnergyLedger::added_since_ has it at the end of a step"},
     "WallSet": {**all_of(GIVEN, "walls_ first_ materials_"), "revision_": NUMBER},
-    "Inflow": all_of(GIVEN, "region_ blend_ settings_"),
+    "Inflow": {**all_of(GIVEN, "region_ blend_ settings_"), "near_": ANEW},
     "Outflow": all_of(GIVEN, "region_ settings_"),
     # mps
     "BasicFlow": {"settings_": GIVEN,
@@ -153,8 +154,8 @@ NOT_SAVED = {
                    "spare_": MEMORY, "advanced_": "begin_advance() clears it"},
     **particles({**all_of("the step removes particles when nothing can fail any more", "ids_"),
                  **all_of("ghosts: the search makes them anew", "owners_ shifts_ ghosts_revision_"),
-                 **all_of(NUMBER, "revision_ owned_revision_ positions_changed_ constants_changed_ "
-                                  "constants_revision_"),
+                 **all_of(NUMBER, "revision_ owned_revision_ rows_revision_ is_copy_ positions_changed_ "
+                                  "constants_changed_ constants_revision_"),
                  "travel_": "positions_changed_ begins it anew",
                  "halo_": "changed between steps", "state_changed_": "decides whether the halo is sent again"},
                 box_=UNCHANGED),

@@ -2,7 +2,7 @@
 // A step of contacts as a loop over the blocks of grains. Each thread has consecutive blocks: for
 // the contacts of a block it evaluates the law (block_evaluator.hpp), then it sums the forces on
 // the block's grains (load_sum.hpp). Grains with a contact in a block of another thread are
-// deferred until all blocks have been evaluated.
+// deferred until that has been evaluated, too.
 #pragma once
 
 #include <silt/core/buffer.hpp>
@@ -63,12 +63,15 @@ class BlockLoop {
     memory_.counts.assign(threads, 0);
     memory_.touching.clear();
     evaluate_added();
-    if (threads == 1) {
-      evaluate_blocks(0);
-    } else {
-      for_each_task(threads, [this](Index thread) { evaluate_blocks(thread); });
-      for_each_task(threads, [this](Index thread) { sum_deferred(thread); });
-    }
+    memory_.division.deferred().begin_step();
+    for_each_task(threads, [this](Index thread) {
+      evaluate_blocks(thread);
+      memory_.division.deferred().finish(thread, [this](Index first, Index last) {
+        pass_.before(first, last);
+        sums_.add(first, last, nullptr);
+        pass_.after(first, last);
+      });
+    });
     return std::accumulate(memory_.counts.begin(), memory_.counts.end(), Index(0));
   }
 
@@ -112,13 +115,6 @@ class BlockLoop {
         pass_.after(first, last);
       });
     }
-  }
-  void sum_deferred(Index thread) {
-    memory_.division.for_each_deferred(thread, [&](Index i) {
-      pass_.before(i, i + 1);
-      sums_.add(i, i + 1, nullptr);
-      pass_.after(i, i + 1);
-    });
   }
 
   Index dense_blocks(Index first, Index last) const {

@@ -6,10 +6,12 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/deferred_grains.hpp>
 #include <silt/dem/contact/grain_rows.hpp>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <utility>
 
@@ -17,7 +19,7 @@ namespace silt::dem::detail {
 
 /// Each thread processes consecutive blocks: it evaluates the contacts of a block and
 /// then sums the forces on its grains, except those with contacts that belong to blocks of other
-/// threads, which are deferred until all threads have evaluated theirs. No result depends on the
+/// threads. These are deferred until such threads have evaluated theirs. No result depends on the
 /// division.
 class WorkDivision {
  public:
@@ -33,7 +35,7 @@ class WorkDivision {
     slot_of_group_.resize(list.groups_of_grains());
     row_of_side_.resize(list.sides().size());
     is_deferred_.assign(list.grains(), 0);
-    deferred_.resize(threads);
+    deferred_.clear(threads);
     slots_.assign(threads + 1, 0);
     for_each_task(threads, [&](Index t) { find_deferred(list, t); });
     for_each_task(threads, [&](Index t) { slots_[t + 1] = assign_slots(list, t); });
@@ -71,14 +73,8 @@ class WorkDivision {
       first = end;
     }
   }
-  /// f(grain) for a thread's share of those that are.
-  template <class F>
-  void for_each_deferred(Index thread, F&& f) const {
-    for (const auto& each : deferred_) {
-      const Index end = each.size() * (thread + 1) / threads();
-      for (Index k = each.size() * thread / threads(); k < end; ++k) f(each[k]);
-    }
-  }
+  /// Those that are.
+  DeferredGrains& deferred() noexcept { return deferred_; }
 
   /// f(grain) for the grains [first, last) of a range, by number of contacts if the range is whole:
   /// a processor then predicts the number better.
@@ -151,18 +147,30 @@ class WorkDivision {
   }
 
   void find_deferred(const ContactList& list, Index t) {
-    auto& deferred = deferred_[t];
-    deferred.clear();
+    DeferredRanges& deferred = deferred_.of(t);
+    deferred.clear(threads());
+    deferred.add_thread(t);
     const Index first = first_block_[t];
     const Index last = std::min(first_block_[t + 1] * block_size, list.grains());
-    for (Index i = first * block_size; i < last; ++i) {
-      for (const ContactList::Side side : list.of(i)) {
-        if (list.is_added(side.contact()) || list.block_of(side.contact()) >= first) continue;
-        is_deferred_[i] = 1;
-        deferred.push_back(static_cast<std::uint32_t>(i));
-        break;
+    for (Index begin = first * block_size; begin < last; begin += DeferredRanges::size) {
+      const Index end = std::min(begin + DeferredRanges::size, last);
+      bool are_deferred = false;
+      for (Index i = begin; i < end; ++i) {
+        for (const ContactList::Side side : list.of(i)) {
+          const Index block = list.block_of(side.contact());
+          if (list.is_added(side.contact()) || block >= first) continue;
+          are_deferred = true;
+          deferred.add_thread(thread_of(block));
+        }
       }
+      if (!are_deferred) continue;
+      std::fill_n(is_deferred_.begin() + std::ptrdiff_t(begin), end - begin, char(1));
+      deferred.add(begin, end);
     }
+  }
+  Index thread_of(Index block) const {
+    const auto next = std::upper_bound(first_block_.begin(), first_block_.end(), block);
+    return static_cast<Index>(next - first_block_.begin()) - 1;
   }
 
   void order(const ContactList& list, Index first, Index last) {
@@ -223,7 +231,7 @@ class WorkDivision {
   Buffer<std::uint32_t> row_of_side_;
   Buffer<std::uint8_t> order_;                   // by range of grains, the offsets from the first
   Buffer<char> is_deferred_;                     // by grain
-  Buffer<Buffer<std::uint32_t>> deferred_;       // by the thread of their block
+  DeferredGrains deferred_;
 };
 
 }  // namespace silt::dem::detail
