@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <string_view>
 
@@ -51,15 +52,16 @@ Real share_of_step(Real overlap, Real change_per_step) {
 
 /// D_n = c v_n with v_n at the time N of the positions: second order in Δt.
 struct CentredDashpot {
+  /// An approach speed of no contact [m/s]; finite, so that a checkpoint may contain it.
+  static constexpr float unknown = std::numeric_limits<float>::lowest();
+
   template <class Real>
   struct History {
-    Real approach_speed = 0;  ///< v_n^{N−3/2} [m/s]
-    Real has_previous = 0;    ///< 1 if approach_speed is set, else 0 [-]
+    Real approach_speed = unknown;  ///< v_n^{N−3/2}; `unknown` before the first step [m/s]
 
     template <class Archive>
     void transfer(Archive& archive) {
       archive("approach_speed", approach_speed);
-      archive("has_previous", has_previous);
     }
   };
 
@@ -73,9 +75,9 @@ struct CentredDashpot {
     using Real = typename C::Real;
     const Real v_half = contact.approach_speed();
     // In the first step there is no previous value: v_n was constant before the contact.
-    const Real v_n = v_half + history.has_previous * (v_half - history.approach_speed) / 2;
+    const Real v_before = history.approach_speed == unknown ? v_half : history.approach_speed;
+    const Real v_n = v_half + (v_half - v_before) / 2;
     history.approach_speed = v_half;
-    history.has_previous = 1;
     // The extrapolated velocity of an oscillation is too large by the factor 1 + ⅜ (ω Δt)².
     const Real m = contact.effective_mass;
     const Real dt = contact.kick();
