@@ -48,17 +48,10 @@ class Ids {
     ids_.resize(n);
     table_.assign(ids_);
   }
-  /// The ids of particles order[i], then those of the halo.
-  Buffer<Id> in_order(std::span<const Index> order) const {
-    Buffer<Id> ids = ids_;
-    for (Index i = 0; i < order.size(); ++i) ids[i] = ids_[order[i]];
-    return ids;
-  }
-  /// Replaces the ids by the same ones in another order. Does not throw.
-  void set_order(Buffer<Id>&& ids) {
-    ids_.swap(ids);
-    table_.assign(ids_);
-  }
+  /// Gives particle i another id; finish_order() follows.
+  void set(Index i, Id id) noexcept { ids_[i] = id; }
+  /// After the same ids were put into another order.
+  void finish_order() noexcept { table_.assign(ids_); }
 
   /// Adds a particle of another process. False if there is one with this id; it is added all the same.
   bool add_other(Id id) {

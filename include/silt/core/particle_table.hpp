@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -135,14 +136,29 @@ class ParticleTable {
   }
   void reorder(AllColumns columns, std::span<const Index> order) {
     clear_ghosts(columns);
-    detail::check_permutation(order, size());
-    auto ids = ids_.in_order(order);
-    // All of them before the first is replaced, because an allocation may fail.
+    detail::Permutation permutation(order, size());
+    // All that may throw comes before the first row is moved.
+    Buffer<detail::Column*> copied;
     Buffer<detail::Column> sorted;
+    copied.reserve(columns.size());
     sorted.reserve(columns.size());
-    for (const auto& each : columns) sorted.push_back(each.now().in_order(order));
-    for (Index k = 0; k < sorted.size(); ++k) columns[k].now().swap(sorted[k]);
-    ids_.set_order(std::move(ids));
+    RowsToMove rows{.ids = ids_, .columns = {}, .aside = {}};
+    rows.columns.reserve(columns.size());
+    Index row_size = 0;
+    for (auto& each : columns) {
+      detail::Column& column = each.now();
+      if (column.type().functions || column.is_shared()) {
+        copied.push_back(&column);
+        sorted.push_back(column.in_order(order));
+      } else {
+        rows.columns.push_back(&column);
+        row_size += column.type().size;
+      }
+    }
+    rows.aside.resize(row_size);
+    permutation.move(rows);
+    for (Index k = 0; k < sorted.size(); ++k) copied[k]->swap(sorted[k]);
+    ids_.finish_order();
     note_change();
   }
 
@@ -238,6 +254,29 @@ class ParticleTable {
     static std::atomic<std::uint64_t> last = 0;
     return ++last;
   }
+  // For Permutation::move().
+  struct RowsToMove {
+    detail::Ids& ids;
+    Buffer<detail::Column*> columns;
+    Buffer<std::byte> aside;  // one row of each column
+    Id id_aside = 0;
+
+    void move(Index from, Index to) noexcept {
+      std::byte* place = aside.data();
+      for (detail::Column* const column : columns) {
+        const Index size = column->type().size;
+        detail::copy_bytes(to == no_index ? place : column->row(to),
+                           from == no_index ? place : column->row(from), size);
+        place += size;
+      }
+      if (to == no_index) {
+        id_aside = ids[from];
+      } else {
+        ids.set(to, from == no_index ? id_aside : ids[from]);
+      }
+    }
+  };
+
   static void reserve_columns(AllColumns columns, Index n) {
     for (auto& each : columns) each.now().reserve(n);
   }
