@@ -33,8 +33,8 @@ class BinSort {
   /// Sorts 0 … n-1 by their bins, from 0 to bins - 1; n and bins are less than 2³². in_order(chunk)
   /// is called for every chunk whose particles are in order, which are all if descents() is 0.
   void sort(Index n, Index bins, BinsOf bins_of, FunctionRef<void(Chunk)> in_order) {
-    bin_.resize(n);
-    start_.resize(bins + 1);
+    resize_tightly(bin_, n);
+    resize_tightly(start_, bins + 1);
     descents_of_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) {
       Index descents = 0;
@@ -126,7 +126,7 @@ class BinSort {
     const Index ranges = std::min(static_cast<Index>(threads_for(n)), chunk_count(n));
     resize();
     in_order_ = false;
-    next_.resize(ranges * bins);
+    resize_tightly(next_, ranges * bins);
     const auto for_each_in_range = [&](Index range, auto&& f) {
       for (Index i = n * range / ranges; i < n * (range + 1) / ranges; ++i) f(i);
     };
@@ -171,8 +171,8 @@ class BinSort {
 
   // SIMD code may read item_of_ up to one register beyond its end.
   void resize() {
-    slot_of_.resize(size());
-    item_of_.resize(size() + simd::most_lanes<std::uint32_t>);
+    resize_tightly(slot_of_, size());
+    resize_tightly(item_of_, size() + simd::most_lanes<std::uint32_t>);
   }
 
   Buffer<std::uint32_t> bin_;

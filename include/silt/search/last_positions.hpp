@@ -87,7 +87,7 @@ class LastPositions {
   void update_ghosts(const P& particles) {
     const auto x = particles.with_ghosts(position);
     const auto rows = static_cast<std::ptrdiff_t>(particles.local());
-    positions_.resize(x.size());
+    resize_tightly(positions_, x.size());
     std::copy(x.begin() + rows, x.end(), positions_.begin() + rows);
   }
   /// Ends an update with other particles: copies all positions.
@@ -131,7 +131,7 @@ class LastPositions {
   // Keeps and returns the positions of the last update before the step, for rolling back.
   std::span<const Vec> keep_previous() {
     if (has_previous_) return positions_;
-    previous_.resize(positions_.size());  // may throw: before anything is changed
+    resize_tightly(previous_, positions_.size());  // may throw: before anything is changed
     positions_.swap(previous_);
     has_previous_ = true;
     return previous_;

@@ -73,7 +73,7 @@ class LevelGrid {
     const auto x = particles.with_ghosts(position);
     const auto R = particles.with_ghosts(silt::radius);
     radii_.assign(R.begin(), R.end());
-    owners_.resize(x.size() - owned_);
+    resize_tightly(owners_, x.size() - owned_);
     for (Index g = 0; g < owners_.size(); ++g) owners_[g] = particles.owner(owned_ + g);
     gap_ = gap_of(particles.with_halo(silt::radius));
     highest_ = highest_of(particles.with_halo(silt::radius), gap_);
@@ -90,7 +90,7 @@ class LevelGrid {
     for (Index l = 0; l < levels_.size(); ++l) {
       Level& level = levels_[l];
       level.first = by_level_.start()[l];
-      level.x.resize(by_level_.start()[l + 1] - level.first);
+      resize_tightly(level.x, by_level_.start()[l + 1] - level.first);
       for_each(level.x.size(), [&](Index k) { level.x[k] = x[item(level, k)]; });
       level.points.sort_and_copy(level.x, extent_of_points(level.x), 2 * level.largest + gap_);
     }

@@ -70,7 +70,7 @@ class NeighbourRows {
   void build(Index rows, F&& f) {
     const Index chunks = chunk_count(rows);
     rows_ = rows;
-    end_.resize(rows + chunks);
+    resize_tightly(end_, rows + chunks);
     if (entries_.size() < chunks) entries_.resize(chunks);
     for_each_chunk(rows, [&](Chunk chunk) {
       Writer writer(entries_[chunk.number], end_.data() + chunk.first + chunk.number);

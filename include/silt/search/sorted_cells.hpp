@@ -45,7 +45,7 @@ class SortedCells {
 
   /// The same, and copies the points [m] into their slots.
   void sort_and_copy(const Points& x, const Extent& extent, Real reach) {
-    for (auto& column : x_) column.resize(x.size() + simd::most_lanes<Real>);
+    for (auto& column : x_) resize_tightly(column, x.size() + simd::most_lanes<Real>);
     const auto copy = [&](Index item, Index slot) {
       const Vec point = x[item];
       for (std::size_t k = 0; k < Dim; ++k) x_[k][slot] = point[static_cast<int>(k)];

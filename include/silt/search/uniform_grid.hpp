@@ -94,7 +94,7 @@ class UniformGrid {
     revision_ = particles.owned_revision();
     points_.sort_and_copy(x, extent, radius_);
     descents_ = points_.descents();
-    ghost_owners_.resize(x.size() - owned_);
+    resize_tightly(ghost_owners_, x.size() - owned_);
     for (Index g = 0; g < ghost_owners_.size(); ++g) {
       ghost_owners_[g] = particles.owner(owned_ + g);
     }

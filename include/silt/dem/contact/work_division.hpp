@@ -32,8 +32,8 @@ class WorkDivision {
     }
     list_ = nullptr;  // until all is done
     divide(list, threads);
-    slot_of_group_.resize(list.groups_of_grains());
-    row_of_side_.resize(list.sides().size());
+    resize_tightly(slot_of_group_, list.groups_of_grains());
+    resize_tightly(row_of_side_, list.sides().size());
     is_deferred_.assign(list.grains(), 0);
     deferred_.clear(threads);
     slots_.assign(threads + 1, 0);
@@ -47,7 +47,7 @@ class WorkDivision {
       }
     });
     number_added_groups(list);
-    order_.resize(list.grains());
+    resize_tightly(order_, list.grains());
     for_each_range(list.grains(), [&](Index first, Index last) { order(list, first, last); });
     for_each(list.grains(), [&](Index i) { find_rows(list, list.begin(i), list.end(i)); });
     list_ = &list;
