@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
+#include <vector>
 
 namespace silt::test::history_test {
 namespace {
@@ -167,6 +169,33 @@ TEST(ContactsOfStep, AreUnknownAfterAFailedStepIfTheyHadNeverBeenUsed) {
   twin.step(1e-6);
   EXPECT_EQ(forces_in(sim.interaction(), sim.particles()),
             forces_in(twin.interaction(), twin.particles()));
+}
+
+// What no other proves: the forces of a step that rebuilt its list are known although its histories
+// before the step have been replaced, also if grains were then reordered.
+TEST(ContactsOfStep, OfANewListAreThoseOfContactsThatHadBeenUsedBefore) {
+  const dem::CundallStrack law{.normal_stiffness = 1e5,
+                               .tangential_stiffness = 5e4,
+                               .restitution = 0.5,
+                               .friction_angle = 0.4};
+  Simulation sim{crowd<3, double>(7, 3), NeighbourList<3>{}, dem::Contacts{law}, Leapfrog{}};
+  auto twin = sim;
+  for (int step = 0; step < 20; ++step) {
+    sim.step(1e-5);
+    twin.step(1e-5);
+    EXPECT_FALSE(forces_in(twin.interaction(), twin.particles()).empty());
+  }
+  for (auto* const each : {&sim, &twin}) {
+    each->particles().remove(each->particles().id(5));  // the list must be rebuilt
+    each->step(1e-5);
+    std::vector<Index> order(each->particles().size());
+    std::iota(order.rbegin(), order.rend(), Index(0));
+    each->particles().reorder(order);
+  }
+  EXPECT_EQ(forces_in(sim.interaction(), sim.particles()),
+            forces_in(twin.interaction(), twin.particles()));
+  EXPECT_EQ(sim.interaction().elastic_energy(sim.particles()),
+            twin.interaction().elastic_energy(twin.particles()));
 }
 
 TEST(LawHistory, IsKeptAfterRejectedInput) {

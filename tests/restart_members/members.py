@@ -71,9 +71,8 @@ NOT_STORED = {
                    "last_time_step_": "set_last_time_step() sets it before it is used",
                    "state_.last.list": "saved_list() has it",
                    "state_.last.after": "history() has them",
-                   **all_of(LAST, "state_.last.before state_.last.grains state_.last.box state_.last.count "
-                                  "state_.last.added_blocks "
-                                  "state_.last.step"),
+                   **all_of(LAST, "state_.last.list_before state_.last.before state_.last.grains state_.last.box "
+                                  "state_.last.count state_.last.added_blocks state_.last.step"),
                    "state_.last.lifetime": "a bound that only saves time: is_stale() decides the same without it",
                    "state_.given_history": "history() has it",
                    "saved_": ROLLBACK, "memory_": MEMORY},

@@ -56,12 +56,12 @@ struct BlockInput {
   using Real = typename P::Real;
   using Grains = GrainRows<P::dimension, Real>;
 
-  /// `rows` as in the step of the evaluation.
-  BlockInput(const Evaluation& of, const Grains& rows, const Materials<Law>& laws,
-             const Walls& all_walls, const ContactSettings& settings)
+  /// `known` are the histories before the step, `rows` as in the step of the evaluation.
+  BlockInput(const Evaluation& of, const typename Evaluation::Known& known, const Grains& rows,
+             const Materials<Law>& laws, const Walls& all_walls, const ContactSettings& settings)
       : evaluation(of),
         contacts(of.contacts()),
-        before(*of.before),
+        before(known),
         grains(rows),
         materials(laws),
         walls(all_walls),
@@ -121,7 +121,7 @@ struct BlockInput {
 
   const Evaluation& evaluation;
   const ContactList& contacts;
-  const Histories& before;
+  typename Evaluation::Known before;
   Grains grains;
   const Materials<Law>& materials;
   const Walls& walls;

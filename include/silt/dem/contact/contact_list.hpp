@@ -85,6 +85,8 @@ class ContactList {
   }
   /// The id of a grain when the list was built.
   Id id(Index grain) const noexcept { return ids_[grain]; }
+  /// Those of all grains, with the halo.
+  std::span<const Id> ids() const noexcept { return ids_; }
   /// The ids of the two.
   Id first_id(Index contact) const noexcept { return ids_[first(contact)]; }
   Id second_id(Index contact) const noexcept {

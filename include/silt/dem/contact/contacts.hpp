@@ -48,6 +48,7 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -107,9 +108,10 @@ class ContactsOf : public Contacts<Law, Walls...> {
     Evaluation evaluation = begin_step(
         grains, search, {.time = time_, .time_step = dt, .last_time_step = since_last});
     const auto after = memory_->histories.take();
+    const auto known = known_histories(evaluation, grains, *after);
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
-    const Input input(evaluation, rows, materials_, walls_, settings_);
+    const Input input(evaluation, known, rows, materials_, walls_, settings_);
     Loop loop(grains, evaluation.contacts(), input, changes, *after, pass, memory_->loop);
     evaluation.count = loop.add_forces();
     changes.check(grains);
@@ -318,6 +320,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   struct Memory {
     detail::Pool<List> lists;
     detail::Pool<Histories> histories;
+    Buffer<std::uint8_t> touching;
     typename detail::SharedGrains<P>::Pools copies;
     typename Loop::Memory loop;
     Buffer<detail::ContactList::PairsOfBlock> by_block;
@@ -342,7 +345,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
       return shared.use_count() == pool.has(shared.get()) + (... + long(references == shared));
     };
     const Evaluation& last = state_.last;
-    return is_own(last.list, memory->lists, last.list, saved_.last.list) &&
+    return is_own(last.list, memory->lists, last.list, last.list_before, saved_.last.list,
+                  saved_.last.list_before) &&
            is_own(last.after, memory->histories, last.after, last.before, saved_.last.after,
                   saved_.last.before);
   }
@@ -405,10 +409,15 @@ class ContactsOf : public Contacts<Law, Walls...> {
       evaluation.lifetime = {.since = grains.travel(),
                              .distance = double(list->margin / 2),
                              .constants_revision = grains.constants_revision()};
-      evaluation.before = histories_on(list->contacts, grains);
+      evaluation.list_before = state_.last.list;
+      evaluation.before = state_.last.after;
+      if (state_.given_history || have_results_been_used_.is_set()) {
+        evaluation.before = histories_on(list->contacts, grains);
+        evaluation.list_before = list;
+      }
     } else {
       if (state_.last.contacts().grains() < grains.size()) add_to_list(grains, step);
-      evaluation.list = state_.last.list;
+      evaluation.list = evaluation.list_before = state_.last.list;
       evaluation.lifetime = state_.last.lifetime;
       ++evaluation.lifetime.steps;
       evaluation.before = state_.last.after;
@@ -461,13 +470,24 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return memory_->lists.take();
   }
 
+  // The histories before the step. If they are of contacts of the list before, they are moved to
+  // `after`, where those after the step replace them.
+  typename Evaluation::Known known_histories(const Evaluation& evaluation, const P& grains,
+                                             Histories& after) {
+    if (!evaluation.is_of_new_list()) return evaluation.before->known();
+    evaluation.move_before_to(after, [&](Id id) { return grains.index_of(id); });
+    return after.known_in_place(memory_->touching);
+  }
+
   // The histories that contacts of a new list had in the last step.
   std::shared_ptr<const Histories> histories_on(const detail::ContactList& list, const P& grains) {
     const auto histories = memory_->histories.take();
     if (state_.given_history) {
       histories->fill(list, *state_.given_history);
     } else {
-      histories->fill(list, grains, state_.last.contacts(), *state_.last.after);
+      histories->fill(
+          list, [&](Id id) { return grains.index_of(id); }, state_.last.contacts(),
+          *state_.last.after);
     }
     return histories;
   }
@@ -487,7 +507,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     saved.restore(grains, *list, memory_->by_block);
     list->walls_revision = walls_.revision();
     Evaluation last;
-    last.list = list;
+    last.list = last.list_before = list;
     last.before = last.after = histories_on(list->contacts, grains);
     state_.last = std::move(last);
     state_.given_history.reset();

@@ -5,6 +5,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
+#include <silt/core/id_table.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
@@ -21,6 +22,7 @@
 #include <silt/dem/wall/wall.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -46,6 +48,7 @@ class ContactsOfStep {
   using Contact = dem::Contact<P::dimension, Real>;
   using Evaluation = detail::Evaluation<P, Law>;
   using LawHistory = typename Evaluation::LawHistory;
+  using Histories = typename Evaluation::Histories;
   using Row = typename Evaluation::Lanes::Row;
 
  public:
@@ -226,7 +229,7 @@ class ContactsOfStep {
     if constexpr (LawHistory::words == 0) {
       return evaluate_law(law_of(c), contact);
     } else {
-      auto own = evaluation_.before->of(c);
+      auto own = before().of(c);
       return evaluate_law(law_of(c), contact, own);
     }
   }
@@ -274,9 +277,23 @@ class ContactsOfStep {
         [&](Index c, const ContactBodies& bodies) { f(c, bodies, rows.data() + c * Row::words); });
   }
 
+  // The histories before the step. Those of contacts of a list before are moved once more; by the
+  // ids of the list, because grains may have been sorted since.
+  const Histories& before() const {
+    if (!evaluation_.is_of_new_list()) return *evaluation_.before;
+    if (!moved_) {
+      const auto ids = evaluation_.contacts().ids();
+      const Id last = ids.empty() ? 0 : *std::max_element(ids.begin(), ids.end());
+      const silt::detail::IdTable table(ids, last + 1);
+      evaluation_.move_before_to(moved_.emplace(),
+                                 [&](Id id) { return id > last ? no_index : table.find(id, ids); });
+    }
+    return *moved_;
+  }
+
   void evaluate_again(Real* rows) const {
-    const BlockInput<P, Law, Walls> input(evaluation_, evaluation_.grains.rows(), materials_,
-                                          walls_, settings_);
+    const BlockInput<P, Law, Walls> input(evaluation_, before().known(), evaluation_.grains.rows(),
+                                          materials_, walls_, settings_);
     const auto evaluate = [&](Index block) { evaluate_block(input, block, true, {.rows = rows}); };
     const ContactList& list = evaluation_.contacts();
     list.for_each_block([&](Index block, Index, Index) { evaluate(block); });
@@ -288,6 +305,7 @@ class ContactsOfStep {
   const Walls& walls_;
   const ContactSettings& settings_;
   const Evaluation& evaluation_;
+  mutable std::optional<Histories> moved_;  // see before()
 };
 
 }  // namespace silt::dem::detail

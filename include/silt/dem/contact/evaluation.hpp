@@ -102,7 +102,10 @@ struct Evaluation {
   using List = ReusableList<P::dimension, Real>;
   using Histories = detail::Histories<Real, LawHistory>;
 
+  using Known = KnownHistories<Real, LawHistory::words>;
+
   std::shared_ptr<const List> list;
+  std::shared_ptr<const List> list_before;  ///< whose contacts `before` is of
   std::shared_ptr<const Histories> before;
   std::shared_ptr<const Histories> after;
   SharedGrains<P> grains;
@@ -123,7 +126,7 @@ struct Evaluation {
   /// Before the first step: without contacts.
   static Evaluation of_no_step() {
     Evaluation evaluation;
-    evaluation.list = std::make_shared<List>();
+    evaluation.list = evaluation.list_before = std::make_shared<List>();
     evaluation.before = evaluation.after = std::make_shared<Histories>();
     return evaluation;
   }
@@ -132,9 +135,18 @@ struct Evaluation {
 
   /// The forces can be evaluated again, from the grains and histories before.
   bool is_repeatable() const noexcept { return before != nullptr; }
+  /// Whether the list was built in this step, so that contacts had other numbers before it.
+  bool is_of_new_list() const noexcept { return list_before != list; }
+  /// The histories before the step, of contacts of the list; index_of(id) is the index of a grain
+  /// in the list.
+  template <class IndexOf>
+  void move_before_to(Histories& histories, IndexOf&& index_of) const {
+    histories.fill(list->contacts, index_of, list_before->contacts, *before);
+  }
   /// Gives their memory to the next step.
   void forget_input() noexcept {
     grains = {};
+    list_before.reset();
     before.reset();
   }
 };

@@ -14,6 +14,28 @@
 
 namespace silt::dem::detail {
 
+/// The histories of all contacts of a list, of `words` numbers each, to be read.
+template <class Real, int words>
+class KnownHistories {
+ public:
+  KnownHistories(const Real* numbers, const std::uint8_t* touching)
+      : numbers_(numbers), touching_(touching) {}
+
+  unsigned touching_in_group(Index group) const noexcept { return touching_[group]; }
+  bool touches(Index contact) const noexcept {
+    return (touching_[contact / lanes] >> (contact % lanes) & 1) != 0;
+  }
+  const Real* group(Index number) const noexcept { return numbers_ + number * words * lanes; }
+  /// Number k of contact c.
+  Real at(Index contact, int k) const noexcept {
+    return group(contact / lanes)[k * lanes + int(contact % lanes)];
+  }
+
+ private:
+  const Real* numbers_;
+  const std::uint8_t* touching_;  // a bit for each contact of a group
+};
+
 /// The histories of all contacts of a list after a step, in groups of eight, number by number, and
 /// which of them touch. Those of contacts that do not touch are unspecified. LawHistoryType is a
 /// dem::LawHistory.
@@ -36,36 +58,34 @@ class Histories {
       if (known != nullptr) set(c, *known);
     });
   }
-  /// The same from the histories of the list before it; the grains are those of the new one.
-  template <class P>
-  void fill(const ContactList& list, const P& grains, const ContactList& last,
+  /// The same from the histories of the list before it; index_of(id) is the index of a grain of
+  /// the new one.
+  template <class IndexOf>
+  void fill(const ContactList& list, IndexOf&& index_of, const ContactList& last,
             const Histories& from) {
     begin(list);
     last.for_each_contact([&](Index c) {
       if (!from.touches(c)) return;
-      const Index now = list.find(last.first_id(c), last.second_id(c),
-                                  [&](Id id) { return grains.index_of(id); });
+      const Index now = list.find(last.first_id(c), last.second_id(c), index_of);
       if (now != no_index) set(now, from.of(c));
     });
   }
 
-  unsigned touching_in_group(Index group) const noexcept { return touching_[group]; }
+  KnownHistories<Real, words> known() const noexcept { return {numbers_.data(), touching_.data()}; }
+  /// The same while the next ones replace them, contact by contact; `touching` is memory for it.
+  KnownHistories<Real, words> known_in_place(Buffer<std::uint8_t>& touching) const {
+    touching = touching_;
+    return {numbers_.data(), touching.data()};
+  }
+
   void set_touching_in_group(Index group, unsigned touching) noexcept {
     touching_[group] = static_cast<std::uint8_t>(touching);
   }
-  bool touches(Index contact) const noexcept {
-    return (touching_[contact / lanes] >> (contact % lanes) & 1) != 0;
-  }
+  bool touches(Index contact) const noexcept { return known().touches(contact); }
 
   Real* group(Index number) noexcept { return numbers_.data() + number * words * lanes; }
-  const Real* group(Index number) const noexcept {
-    return numbers_.data() + number * words * lanes;
-  }
   /// Number k of contact c.
   Real& at(Index contact, int k) noexcept {
-    return group(contact / lanes)[k * lanes + int(contact % lanes)];
-  }
-  Real at(Index contact, int k) const noexcept {
     return group(contact / lanes)[k * lanes + int(contact % lanes)];
   }
   /// The history of a contact; that of a new one if it does not touch.
@@ -75,7 +95,7 @@ class Histories {
     } else {
       if (!touches(contact)) return {};
       Real own[words];
-      for (int k = 0; k < words; ++k) own[k] = at(contact, k);
+      for (int k = 0; k < words; ++k) own[k] = known().at(contact, k);
       return LawHistory::from(own);
     }
   }
