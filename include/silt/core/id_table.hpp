@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -40,19 +41,22 @@ class IdTable {
   Index find(Id id, std::span<const Id> ids) const noexcept {
     if (slots_.empty()) return no_index;
     for (Index slot = home(id);; slot = next(slot)) {
-      const Index i = slots_[slot];
-      if (i == no_index || ids[i] == id) return i;
+      const std::uint32_t i = slots_[slot];
+      if (i == none) return no_index;
+      if (ids[i] == id) return i;
     }
   }
 
-  /// For that many particles with ids below next_id. If it throws, nothing has changed.
+  /// For that many particles with ids below next_id. If it throws, as for 2³² particles or more,
+  /// nothing has changed.
   void make_room(Index number, Id next_id, std::span<const Id> ids) {
     if (is_direct_ && next_id <= slots_.size()) return;
     if (2 * number <= slots_.size()) {
       if (!is_direct_) return;
       is_direct_ = false;
     } else {
-      Buffer<Index> slots(std::bit_ceil(std::max<Index>(2 * number, 16)), no_index);
+      if (number >= none) fail("Particles: 2^32 - 1 particles or more; use fewer in a process");
+      Buffer<std::uint32_t> slots(std::bit_ceil(std::max<Index>(2 * number, 16)), none);
       slots_.swap(slots);
       is_direct_ = next_id <= slots_.size();
     }
@@ -62,27 +66,29 @@ class IdTable {
   /// Adds the id of particle i; requires make_room(). False if it is there already.
   bool add(Index i, std::span<const Id> ids) noexcept {
     Index slot = home(ids[i]);
-    for (; slots_[slot] != no_index; slot = next(slot)) {
+    for (; slots_[slot] != none; slot = next(slot)) {
       if (ids[slots_[slot]] == ids[i]) return false;
     }
-    slots_[slot] = i;
+    slots_[slot] = static_cast<std::uint32_t>(i);
     return true;
   }
 
   /// After particles were removed or reordered.
   void assign(std::span<const Id> ids) noexcept {
-    std::fill(slots_.begin(), slots_.end(), no_index);
+    std::fill(slots_.begin(), slots_.end(), none);
     for (Index i = 0; i < ids.size(); ++i) add(i, ids);
   }
 
  private:
+  static constexpr std::uint32_t none = ~std::uint32_t(0);
+
   Index home(Id id) const noexcept {
     if (is_direct_) return id & (slots_.size() - 1);
     return (id * 0x9e3779b97f4a7c15u) >> (64 - std::countr_zero(slots_.size()));
   }
   Index next(Index slot) const noexcept { return (slot + 1) & (slots_.size() - 1); }
 
-  Buffer<Index> slots_;  // a power of two
+  Buffer<std::uint32_t> slots_;  // indices; a power of two
   bool is_direct_ = true;
 };
 
