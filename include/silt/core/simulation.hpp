@@ -399,7 +399,11 @@ class Simulation {
   }
   [[gnu::cold]] void restore() noexcept {
     particles_.restore();
-    if constexpr (Transactional<S>) search_.restore();
+    if constexpr (requires { search_.restore(particles_); }) {
+      search_.restore(particles_);
+    } else if constexpr (Transactional<S>) {
+      search_.restore();
+    }
     if constexpr (Transactional<TypedInteraction>) interaction_.restore();
     integrator_ = *saved_integrator_;
   }

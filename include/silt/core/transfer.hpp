@@ -78,15 +78,21 @@ void at_positions(P& particles, std::span<const typename P::Vec> x, FunctionRef<
   for (const auto& each : x) require_finite("search: position of the last update", each);
   const auto all = particles.with_halo(position);
   const Buffer<typename P::Vec> now(all.begin(), all.end());
-  const auto put = [&](std::span<const typename P::Vec> to) {
+  const auto put = [&particles](std::span<const typename P::Vec> to) {
     const auto owned = std::ptrdiff_t(particles.size());
     std::copy(to.begin(), to.begin() + owned, particles[position].begin());
     if (particles.local() == particles.size()) return;
     std::copy(to.begin() + owned, to.end(), particles.halo_to_change(position).begin() + owned);
   };
+  const auto put_back = [&] { put(now); };
+  // Also if f() throws.
+  struct AtEnd {
+    FunctionRef<void()> call;
+    ~AtEnd() { call(); }
+  };
+  const AtEnd at_end{put_back};
   put(x);
   f();
-  put(now);
 }
 
 /// Transfers the positions [m] of the last update of a search; in reading, updates the search at

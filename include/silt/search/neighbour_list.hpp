@@ -64,7 +64,9 @@ class NeighbourList {
   }
   /// The candidates include all pairs closer than radius() plus this distance at the last update
   /// [m]: the skin minus twice the maximum displacement.
-  Real margin() const noexcept { return std::max(Real(0), list().skin - 2 * state_.displacement); }
+  Real margin() const noexcept {
+    return std::max(Real(0), state_.list.skin - 2 * state_.displacement);
+  }
 
   /// Sorts the owned particles by cell if the list must be rebuilt. Throws if there is no radius.
   template <class P>
@@ -73,12 +75,12 @@ class NeighbourList {
     restore_ghosts(particles);
     if (is_valid_for(particles)) {
       // Much of the skin is left: skip the loop over the particles.
-      if (state_.displacement + 2 * state_.last_displacement < list().skin / 2) return;
-      if (positions_.max_displacement_from(list().reference, particles) <= list().skin / 2) return;
+      if (state_.displacement + 2 * state_.last_displacement < state_.list.skin / 2) return;
+      if (positions_.max_displacement_from(reference_, particles) <= state_.list.skin / 2) return;
       tune_skin();
-      list().built = false;
+      state_.list.built = false;
     }
-    list().grid.sort(particles, radius() * (1 + Real(state_.tuning.fraction())));
+    grid_.sort(particles, radius() * (1 + Real(state_.tuning.fraction())));
   }
 
   /// Reads the positions; rebuilds the list if particles were added, removed or reordered, if one
@@ -98,10 +100,10 @@ class NeighbourList {
     }
     // The sum of the maximum displacements of all updates is an upper bound for the maximum
     // displacement, and cheaper.
-    if (is_valid && state_.displacement > list().skin / 2) {
-      state_.displacement = positions_.max_displacement_from(list().reference, particles);
+    if (is_valid && state_.displacement > state_.list.skin / 2) {
+      state_.displacement = positions_.max_displacement_from(reference_, particles);
     }
-    if (is_valid && state_.displacement <= list().skin / 2) {
+    if (is_valid && state_.displacement <= state_.list.skin / 2) {
       particles.copy_to_ghosts(position);
       positions_.update_ghosts(particles);
     } else {
@@ -123,11 +125,11 @@ class NeighbourList {
       if (r2 < reach) f(j, r_ij, std::sqrt(r2));
     };
     if (!has_rows(Pairs::twice)) {
-      list().grid.for_each_neighbour(i, [&](Index j, const Vec&, Real) { report(j); });
+      grid_.for_each_neighbour(i, [&](Index j, const Vec&, Real) { report(j); });
       return;
     }
     // Branches on the distance would be mispredicted: collect first, without a branch.
-    const auto row = rows(Pairs::twice)[list().grid.distant_row_of(i)];
+    const auto row = rows(Pairs::twice)[grid_.distant_row_of(i)];
     std::array<std::uint32_t, 64> near;
     for (Index from = 0; from < row.size(); from += near.size()) {
       Index count = 0;
@@ -149,46 +151,59 @@ class NeighbourList {
     if (!has_rows(Pairs::once)) {
       // Through a reference: the loops of a grid are long, and are compiled for each type of f.
       const FunctionRef<void(Index)> call = f;
-      list().grid.for_each_candidate(i, call);
+      grid_.for_each_candidate(i, call);
       return;
     }
-    for (const std::uint32_t j : rows(Pairs::once)[list().grid.row_of(i)]) f(Index{j});
+    for (const std::uint32_t j : rows(Pairs::once)[grid_.row_of(i)]) f(Index{j});
   }
 
   /// f(i, j, r_ij, r) for every pair once; i is owned, j owned or ghost.
   template <class F>
   void for_each_pair(F&& f) const {
     const Real reach = radius() * radius();
-    for (Index a = 0; a < list().owned; ++a) {
+    for (Index a = 0; a < state_.list.owned; ++a) {
       const auto report = [&](Index b) {
-        if (list().grid.is_second_image(a, b)) return;
+        if (grid_.is_second_image(a, b)) return;
         const Index i = std::min(a, b);
         const Index j = std::max(a, b);
         const Vec r_ij = image_(positions_[j] - positions_[i]);
         const Real r2 = r_ij.squaredNorm();
         if (r2 < reach) f(i, j, r_ij, std::sqrt(r2));
       };
-      if (list().grid.finds_only_contacts()) {
-        list().grid.for_each_distant_candidate(a, report);
+      if (grid_.finds_only_contacts()) {
+        grid_.for_each_distant_candidate(a, report);
       } else {
         for_each_candidate(a, report);
       }
     }
   }
 
-  /// Keeps the list as it was before the first rebuild in a step, for rolling back the step.
+  /// Keeps what the list was built from before the first rebuild in a step, for rolling back the
+  /// step.
   void save() noexcept {
     saved_ = state_;
     saved_requested_ = requested_;
     positions_.save();
     keeps_previous_ = false;
   }
+  /// If the step has rebuilt the list, the next update first builds it as it was; until then, pairs
+  /// cannot be found.
   void restore() noexcept {
     state_ = saved_;
     requested_ = saved_requested_;
     positions_.restore();
-    if (keeps_previous_) current_ = 1 - current_;
+    if (keeps_previous_) {
+      reference_.swap(previous_reference_);
+      is_lost_ = true;
+    }
     keeps_previous_ = false;
+  }
+  /// The same, but builds it at once, unless memory does not suffice or the particles have been
+  /// reordered since.
+  template <class P>
+  void restore(P& particles) noexcept {
+    restore();
+    if (is_lost_) recover(particles);
   }
 
   /// Writes or reads, for a checkpoint (core/transfer.hpp), the positions from which the list was
@@ -196,24 +211,24 @@ class NeighbourList {
   /// without a restart.
   template <class Archive, class P>
   void transfer(Archive& archive, P& particles) {
-    bool is_of_these = list().radius > 0 && is_built_from(particles);
+    bool is_of_these = state_.list.radius > 0 && is_built_from(particles);
     bool has_last = positions_.belong_to(particles);
     Buffer<Vec> reference, last;
-    if (!Archive::reads && is_of_these) reference = list().reference;
+    if (!Archive::reads && is_of_these) reference = reference_;
     if (!Archive::reads && has_last) {
       const auto first = positions_.first(particles.local());
       last.assign(first.begin(), first.end());
     }
-    bool built = list().built && is_of_these;
+    bool built = state_.list.built && is_of_these;
     archive("built", built);
     archive("is_of_these", is_of_these);
     archive("reference", reference);
     archive("has_last", has_last);
     archive("last", last);
-    archive("radius", list().radius);
-    archive("skin", list().skin);
-    archive("wanted_skin", list().wanted_skin);
-    archive.within("grid", [&] { list().grid.transfer(archive); });
+    archive("radius", state_.list.radius);
+    archive("skin", state_.list.skin);
+    archive("wanted_skin", state_.list.wanted_skin);
+    archive.within("grid", [&] { grid_.transfer(archive); });
     archive("has_rows", state_.has_rows);
     archive("requested", requested_);
     archive.within("tuning", [&] { state_.tuning.transfer(archive); });
@@ -223,9 +238,9 @@ class NeighbourList {
     archive("rebuilds", state_.rebuilds);
     if constexpr (Archive::reads) {
       image_ = NearestImage<Dim, Real>(particles.box());
-      require_not_negative("NeighbourList: radius", double(list().radius));
-      require_not_negative("NeighbourList: skin", double(list().wanted_skin));
-      list().built = built && is_of_these;
+      require_not_negative("NeighbourList: radius", double(state_.list.radius));
+      require_not_negative("NeighbourList: skin", double(state_.list.wanted_skin));
+      state_.list.built = built && is_of_these;
       if (is_of_these) repeat_build(particles, reference);
       if (has_last) repeat_update(particles, last);
     }
@@ -234,11 +249,11 @@ class NeighbourList {
   /// Number of times the list was built.
   std::uint64_t rebuilds() const noexcept { return state_.rebuilds; }
   /// Skin of the present list [m].
-  Real skin() const noexcept { return list().skin; }
+  Real skin() const noexcept { return state_.list.skin; }
 
  private:
-  // Replaced by a rebuild.
-  struct List {
+  // What a list is built from, apart from the positions.
+  struct Build {
     bool built = false;
     Real radius = 0;
     Real skin = 0;         // with which candidates are found [m]
@@ -246,13 +261,11 @@ class NeighbourList {
     std::uint64_t revision = 0;  // of the particles when it was built
     std::uint64_t owned_revision = 0;
     Index owned = 0;  // number of particles
-    ListGrid<Inner> grid;
-    Buffer<Vec> reference;  // positions when it was built, with the halo
-    std::array<NeighbourRows, 2> rows;
   };
 
   // Changed by every update.
   struct State {
+    Build list;
     Skin tuning;
     Real displacement = 0;     // upper bound of the displacement since the list was built
     Real last_displacement = 0;      // maximum displacement since the previous update
@@ -261,11 +274,9 @@ class NeighbourList {
     std::uint64_t rebuilds = 0;
   };
 
-  List& list() noexcept { return lists_[current_]; }
-  const List& list() const noexcept { return lists_[current_]; }
-
-  const NeighbourRows& rows(Pairs pairs) const { return list().rows[static_cast<Index>(pairs)]; }
+  const NeighbourRows& rows(Pairs pairs) const { return rows_[static_cast<Index>(pairs)]; }
   bool has_rows(Pairs pairs) const {
+    if (is_lost_) refuse_lost();
     const auto kind = static_cast<Index>(pairs);
     // May be called by several threads.
     if (!state_.has_rows[kind]) {
@@ -273,81 +284,101 @@ class NeighbourList {
     }
     return state_.has_rows[kind];
   }
+  [[noreturn, gnu::cold]] static void refuse_lost() {
+    fail(
+        "NeighbourList: a failed step has replaced the list; update it before pairs are looked "
+        "for");
+  }
   void build_rows(Pairs pairs) {
     const auto kind = static_cast<Index>(pairs);
     if (!requested_[kind] || state_.has_rows[kind]) return;
-    state_.has_rows[kind] = list().grid.build_rows(list().rows[kind], pairs);
+    state_.has_rows[kind] = grid_.build_rows(rows_[kind], pairs);
   }
 
   template <class P>
   void update_grid(P& particles) {
-    list().skin =
-        list().grid.update(particles, {.radius = list().radius, .skin = list().wanted_skin});
+    state_.list.skin =
+        grid_.update(particles, {.radius = state_.list.radius, .skin = state_.list.wanted_skin});
   }
   // Whether the list can be used for these particles.
   template <class P>
   bool is_valid_for(const P& particles) const {
-    return list().built && list().radius == radius_ && positions_.belong_to(particles) &&
+    return state_.list.built && state_.list.radius == radius_ && positions_.belong_to(particles) &&
            is_built_from(particles);
   }
   // Whether the list was built from these particles in this order, with these radii.
   template <class P>
   bool is_built_from(const P& particles) const {
-    return list().owned_revision == particles.owned_revision() &&
-           list().reference.size() == particles.local() && list().grid.has_radii_of(particles);
+    return state_.list.owned_revision == particles.owned_revision() &&
+           reference_.size() == particles.local() && grid_.has_radii_of(particles);
   }
   template <class P>
   void build(P& particles) {
     if (!keeps_previous_) {
-      current_ = 1 - current_;
+      if (!grid_.has_radii_of(particles)) saved_.list.built = false;  // nor would it be found valid
+      reference_.swap(previous_reference_);
       keeps_previous_ = true;
     }
-    list().built = false;
+    state_.list.built = false;
+    is_lost_ = true;
     state_.has_rows = {};
-    list().radius = radius();
-    list().wanted_skin = std::min(radius() * Real(state_.tuning.fraction()),
-                                  std::max(Real(0), depth_of_halo(particles) - radius()));
-    check_periodic_sides(particles.box(), {.radius = list().radius, .skin = list().wanted_skin});
+    state_.list.radius = radius();
+    state_.list.wanted_skin = std::min(radius() * Real(state_.tuning.fraction()),
+                                       std::max(Real(0), depth_of_halo(particles) - radius()));
+    check_periodic_sides(particles.box(),
+                         {.radius = state_.list.radius, .skin = state_.list.wanted_skin});
     update_grid(particles);
     const auto x = particles.with_halo(position);
-    list().reference.assign(x.begin(), x.end());
+    reference_.assign(x.begin(), x.end());
     set_revisions(particles);
-    list().built = true;
+    state_.list.built = true;
+    is_lost_ = false;
     state_.displacement = 0;
     state_.updates = 0;
     ++state_.rebuilds;
   }
   template <class P>
   void set_revisions(const P& particles) {
-    list().revision = particles.revision();
-    list().owned_revision = particles.owned_revision();
-    list().owned = particles.size();
+    state_.list.revision = particles.revision();
+    state_.list.owned_revision = particles.owned_revision();
+    state_.list.owned = particles.size();
   }
 
   // The ghosts are not those of the list after a step was rolled back or another search was
   // updated.
   template <class P>
   void restore_ghosts(P& particles) {
-    if (is_valid_for(particles) && list().revision != particles.revision()) repeat_all(particles);
+    if (!is_valid_for(particles)) return;
+    if (is_lost_ || state_.list.revision != particles.revision()) repeat_all(particles);
+  }
+  template <class P>
+  [[gnu::cold]] void recover(P& particles) noexcept {
+    const bool is_of_these = state_.list.radius > 0 && positions_.belong_to(particles);
+    try {
+      if (is_of_these && is_built_from(particles)) repeat_all(particles);
+    } catch (...) {  // the next update repeats it
+    }
   }
   template <class P>
   [[gnu::cold]] void repeat_all(P& particles) {
     const auto first = positions_.first(particles.local());
     const Buffer<Vec> last(first.begin(), first.end());
-    repeat_build(particles, Buffer<Vec>(list().reference));
+    repeat_build(particles, Buffer<Vec>(reference_));
     repeat_update(particles, last);
   }
   // Builds the list again from the positions at which it was built.
   template <class P>
   [[gnu::cold]] void repeat_build(P& particles, const Buffer<Vec>& reference) {
+    is_lost_ = true;
     at_positions(particles, reference, [&] { update_grid(particles); });
-    list().reference = reference;
+    reference_ = reference;
     set_revisions(particles);
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) {
       const auto kind = static_cast<Index>(pairs);
       if (!state_.has_rows[kind]) continue;
-      state_.has_rows[kind] = list().grid.build_rows(list().rows[kind], pairs);
+      state_.has_rows[kind] = grid_.build_rows(rows_[kind], pairs);
     }
+    is_lost_ = false;
   }
   // Repeats the last update at the positions of that time.
   template <class P>
@@ -360,10 +391,10 @@ class NeighbourList {
 
   // A particle has moved by more than half the skin: adjust the skin.
   [[gnu::cold]] void tune_skin() {
-    if (list().grid.finds_only_contacts()) return;
+    if (grid_.finds_only_contacts()) return;
     for (const Pairs pairs : {Pairs::once, Pairs::twice}) {
       if (!state_.has_rows[static_cast<Index>(pairs)]) continue;
-      const auto particles = double(std::max<Index>(list().owned, 1));
+      const auto particles = double(std::max<Index>(state_.list.owned, 1));
       state_.tuning.update({.dimension = Dim,
                             .entries = double(rows(pairs).entries()) / particles,
                             .updates = std::max<Index>(state_.updates, 1)});
@@ -374,9 +405,12 @@ class NeighbourList {
   Real radius_ = 0;
   State state_;
   State saved_;
-  std::array<List, 2> lists_;  // the present one, and that before the first rebuild in a step
-  Index current_ = 0;
-  bool keeps_previous_ = false;
+  ListGrid<Inner> grid_;
+  std::array<NeighbourRows, 2> rows_;
+  Buffer<Vec> reference_;                    // positions when the list was built, with the halo
+  Buffer<Vec> previous_reference_;           // those before the first rebuild in a step
+  bool keeps_previous_ = false;              // the step has rebuilt the list
+  bool is_lost_ = false;                     // grid and rows are not those of the list
   mutable std::array<bool, 2> requested_{};  // rows of each kind
   std::array<bool, 2> saved_requested_{};
   LastPositions<Dim, Real> positions_;  // at the last update
