@@ -269,7 +269,7 @@ static_assert(runs_in_lanes<dem::Law<dem::WaltonBraun>> && runs_in_lanes<Linear>
               runs_in_lanes<dem::Law<dem::WaltonBraun, dem::LinearFriction, dem::RollingResistance,
                                      dem::ConstantCohesion>>);
 static_assert(dem::GivesCouple<Full, 3, double> && !dem::GivesCouple<Linear, 3, double>);
-static_assert(sizeof(Full::History<3, double>) == (4 + 5 + 2) * sizeof(double));
+static_assert(sizeof(Full::History<3, double>) == (4 + 4 + 2) * sizeof(double));
 
 TEST(Law, AcceptsComponentsInAnyOrderAndUserDefinedOnes) {
   const dem::Law law{dem::ConstantCohesion{.pull = 1}, Drag{.coefficient = 2},
