@@ -110,8 +110,9 @@ class Column {
   }
 
   const RowType& type() const noexcept { return *type_; }
-  /// Number of rows.
+  /// Number of rows, and for how many there is memory.
   Index size() const noexcept { return size_; }
+  Index capacity() const noexcept { return capacity_; }
   std::byte* data() noexcept { return memory_.get(); }
   const std::byte* data() const noexcept { return memory_.get(); }
   std::byte* row(Index i) noexcept { return data() + i * type_->size; }

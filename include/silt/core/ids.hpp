@@ -16,6 +16,7 @@ class Ids {
  public:
   /// Number of owned particles, halo and ghosts.
   Index size() const noexcept { return ids_.size(); }
+  Index capacity() const noexcept { return ids_.capacity(); }
   Id operator[](Index i) const noexcept { return ids_[i]; }
   std::span<const Id> first(Index n) const noexcept { return {ids_.data(), n}; }
   /// `no_index` if the particle was removed or never added.

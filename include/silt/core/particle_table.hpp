@@ -33,6 +33,9 @@ class ParticleTable {
   /// Number of owned particles, those of the halo, and ghosts.
   Index total() const noexcept { return ids_.size(); }
 
+  /// Number of particles, halo and ghosts for which there is memory.
+  Index capacity() const noexcept { return ids_.capacity(); }
+
   /// Permanent id of particle i, which may be of the halo or a ghost.
   Id id(Index i) const noexcept { return ids_[i]; }
   /// Ids of the owned particles.

@@ -100,7 +100,10 @@ class TimeLevels {
   void begin_advance() {
     if (other_.values.is_shared()) other_.swap(spare_);
     if (other_.values.is_shared()) other_ = Buffer{Column(now().type())};
-    if (other_.values.size() != now().size()) other_.values.resize(now().size());
+    if (other_.values.size() != now().size()) {
+      other_.values.reserve(now().capacity());
+      other_.values.resize(now().size());
+    }
     is_next_ = true;
     advanced_ = 0;
   }

@@ -39,6 +39,21 @@ void check_periodic_sides(const Box<Dim, Real>& box, const GhostDepth<Real>& dep
   }
 }
 
+/// The number of ghosts beyond the sides across one axis, relative to that of particles and ghosts
+/// [-]: of particles, owned and of the halo, within `depth` [m] of these sides; 0 if they are not
+/// periodic.
+template <class P>
+double share_near_sides(const P& particles, int axis, typename P::Real depth) {
+  const auto& box = particles.box();
+  const auto x = particles.with_halo(position);
+  if (!box.periodic[static_cast<std::size_t>(axis)] || x.empty()) return 0;
+  const auto near = ordered_sum(x.size(), Index(0), [&](Index i) {
+    return Index(x[i][axis] <= box.lower[axis] + depth) +
+           Index(x[i][axis] >= box.upper[axis] - depth);
+  });
+  return double(near) / double(x.size());
+}
+
 /// Wraps owned particles into the periodic box, makes the ghosts of these and of the halo within
 /// `depth` [m] of it, and returns the extent of all. Throws if a position is not finite, and as
 /// check_periodic_sides does with the radius `depth`.
@@ -77,7 +92,13 @@ Extent<P::dimension, typename P::Real> make_ghosts(P& particles, typename P::Rea
     };
     const auto ghosts = ordered_sum(
         rows, Index(0), [&](Index i) { return Index(is_low(i)) + Index(is_high(i)); });
-    particles.reserve(rows + ghosts + ghosts / 8);
+    if (rows + ghosts > particles.capacity()) {
+      double expected = double(rows + ghosts);
+      for (int next = k + 1; next < P::dimension; ++next) {
+        expected *= 1 + share_near_sides(particles, next, depth);
+      }
+      particles.reserve(static_cast<Index>(expected * (1 + 1.0 / 16)));
+    }
     for (Index i = 0; i < rows; ++i) {
       if (is_low(i)) particles.add_ghost(i, shift);
       if (is_high(i)) particles.add_ghost(i, Vec(-shift));
