@@ -38,7 +38,8 @@ struct HookeHistory {
     const Vec F_t = -(Real(kt) * s + D_t);
     const Real size = F_t.norm();
     const Real limit = Real(xmu) * std::abs(F_n);
-    const Real kept = size > limit ? limit / size : Real(1);
+    const bool slides = size > limit;
+    const Real kept = silt::choose(slides, limit, Real(1)) / silt::choose(slides, size, Real(1));
     history.shear = kept * s - (1 - kept) / Real(kt) * D_t;
     return F_n * c.normal + kept * F_t;
   }

@@ -11,8 +11,10 @@
 #include <silt/core/field_view.hpp>
 #include <silt/core/types.hpp>
 
+#include <bit>
 #include <cmath>
 #include <concepts>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 
@@ -22,6 +24,13 @@
 #define SILT_INDEPENDENT_ITERATIONS
 #else
 #define SILT_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
+#endif
+
+// Before a function with such a loop, into which all is inlined: g++ 12 vectorises with -O3 only.
+#if defined(__clang__) || !defined(__OPTIMIZE__)
+#define SILT_VECTORISES
+#else
+#define SILT_VECTORISES [[gnu::optimize("O3")]]
 #endif
 
 // A square root has no effect but its result: without this, it sets errno for numbers below zero,
@@ -59,6 +68,15 @@ class Lane {
   constexpr Lane& operator-=(Lane b) { return *this = *this - b; }
   constexpr Lane& operator*=(Lane b) { return *this = *this * b; }
   constexpr Lane& operator/=(Lane b) { return *this = *this / b; }
+
+  // By bits: g++ moves arithmetic into the branches of a choice, and then cannot vectorise it,
+  // because the arithmetic may trap.
+  static constexpr Lane choose(bool condition, Lane a, Lane b) {
+    using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+    const Bits chosen = Bits{0} - Bits{condition};
+    return std::bit_cast<Real>((chosen & std::bit_cast<Bits>(a.value_)) |
+                               (~chosen & std::bit_cast<Bits>(b.value_)));
+  }
 
   friend constexpr Lane operator-(Lane a) { return -a.value_; }
   friend Lane sqrt(Lane a) {

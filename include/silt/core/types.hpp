@@ -75,6 +75,28 @@ Real squared(Real x) {
   return x * x;
 }
 
+// Choices that g++ vectorises for Lane<Real>, too. It does not vectorise branches with arithmetic,
+// except for AVX-512, nor std::max, which returns a reference, together with other branches.
+/// a if the condition holds, else b; both are computed before.
+template <class Real>
+constexpr Real choose(bool condition, Real a, Real b) {
+  if constexpr (requires { Real::choose(condition, a, b); }) {
+    return Real::choose(condition, a, b);
+  } else {
+    return condition ? a : b;
+  }
+}
+/// The larger number; a if they are equal.
+template <class Real>
+constexpr Real larger(Real a, Real b) {
+  return choose(a < b, b, a);
+}
+/// The smaller number; a if they are equal.
+template <class Real>
+constexpr Real smaller(Real a, Real b) {
+  return choose(b < a, b, a);
+}
+
 /// Number of components of an AngularVec: 1 in 2D, 3 in 3D.
 template <int Dim>
 inline constexpr int angular_size = Dim == 2 ? 1 : 3;

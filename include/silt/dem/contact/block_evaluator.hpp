@@ -46,6 +46,23 @@ Index evaluate_block(const BlockInput<P, Law, Walls>& input, Index block, bool i
 namespace silt::dem::detail::SILT_INSTRUCTION_SET {
 namespace simd = silt::simd::SILT_INSTRUCTION_SET;
 
+/// Evaluates a law for `count` times eight contacts.
+template <class Law, class Times, class Lanes>
+SILT_VECTORISES [[gnu::flatten, gnu::noinline]] void evaluate_in_lanes(const Law& for_all,
+                                                                       const Times& of_all,
+                                                                       Lanes* groups, Index count) {
+  // Copies that no store below can change.
+  const Law law = for_all;
+  const Times times = of_all;
+  for (Index e = 0; e < count; ++e) {
+    Lanes& eight = groups[e];
+    SILT_INDEPENDENT_ITERATIONS
+    for (int lane = 0; lane < lanes; ++lane) {
+      eight.template evaluate<Lane<typename Lanes::Real>>(law, times, lane);
+    }
+  }
+}
+
 /// Goes through the contacts of a block, group by group, and passes what the law returns for those
 /// that touch to a ContactResults:
 ///
@@ -141,16 +158,7 @@ class BlockEvaluator {
     }
     if (LawInLanes<Law, dimension, Real> && in_.materials.count() == 1) {
       if constexpr (LawInLanes<Law, dimension, Real>) {
-        // Copies that no store below can change.
-        const Law law = in_.materials.between(0, 0);
-        const ContactTimes<Real> times = in_.times;
-        for (Index e = 0; e < count; ++e) {
-          Lanes& eight = batch.lanes_[e];
-          SILT_INDEPENDENT_ITERATIONS
-          for (int lane = 0; lane < lanes; ++lane) {
-            eight.template evaluate<Lane<Real>>(law, times, lane);
-          }
-        }
+        evaluate_in_lanes(in_.materials.between(0, 0), in_.times, batch.lanes_.data(), count);
       }
     } else {
       for (Index e = 0; e < count; ++e) {

@@ -138,12 +138,12 @@ struct CundallStrackLaw {
     const Real F_n = NormalForm::spring_force(contact, history, k_n);
     const Real D_n = NormalForm::dashpot_force(contact, history, k_n, c_over_k * k_n);
     result.normal_spring = F_n;
-    result.normal_dashpot = limit_damping ? limited_dashpot(F_n, D_n) : D_n;
+    result.normal_dashpot = limited_dashpot(limit_damping, F_n, D_n);
 
     const Slider<Real> slider{
         .stiffness = k_s,
         .dashpot = c_over_k * k_s,
-        .limit = std::max<Real>(Real(0), F_n * Real(friction_angle.tangent) + Real(cohesion))};
+        .limit = larger(Real(0), Real(F_n * Real(friction_angle.tangent) + Real(cohesion)))};
     const auto tangential =
         slide(slider, rotated_into_plane(history.tangential_force, contact.normal),
               contact.tangential_velocity(), contact);

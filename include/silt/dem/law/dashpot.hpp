@@ -5,7 +5,6 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -47,7 +46,7 @@ struct Restitution {
 template <class Real>
 Real share_of_step(Real overlap, Real change_per_step) {
   const Real u = overlap / change_per_step;
-  return u < 1 ? Real(u * 3 / 2) : std::max<Real>(Real(1), 2 - u / 2);
+  return choose(u < 1, Real(u * 3 / 2), larger(Real(1), Real(2 - u / 2)));
 }
 
 /// D_n = c v_n with v_n at the time N of the positions: second order in Δt.
@@ -89,10 +88,12 @@ struct CentredDashpot {
   static constexpr double stability_factor = 2;
 };
 
-/// The dashpot force [N], limited so that the sum with the spring force is not attractive.
+/// The dashpot force [N]; if `limits`, limited so that the sum with the spring force is not
+/// attractive.
 template <class Real>
-Real limited_dashpot(Real spring, Real dashpot) {
-  return spring + dashpot < 0 ? -spring : dashpot;
+Real limited_dashpot(bool limits, Real spring, Real dashpot) {
+  const Real limited = choose(spring + dashpot < 0, Real(-spring), dashpot);
+  return choose(limits, limited, dashpot);
 }
 
 }  // namespace silt::dem

@@ -8,7 +8,6 @@
 #include <silt/dem/law/elastic.hpp>
 #include <silt/dem/law/law_components.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -40,9 +39,9 @@ struct Hertz {
     const Real spring = S * contact.overlap * 2 / 3;
     const Real damping = CentredDashpot::force(contact, history, S, c);
     // The overlap may have been rounded to 0; then so are S and c.
-    const Real divisor = std::max(S, Real(std::numeric_limits<float>::min()));
+    const Real divisor = larger(S, Real(std::numeric_limits<float>::min()));
     return {.spring = spring,
-            .dashpot = limit_damping ? limited_dashpot(spring, damping) : damping,
+            .dashpot = limited_dashpot(limit_damping, spring, damping),
             .stiffness = S,
             .beta = c / divisor};
   }

@@ -46,7 +46,7 @@ struct LinearFriction {
         .stiffness = k,
         .dashpot = normal.beta * k,
         .limit =
-            std::max<Real>(Real(0), normal.spring * Real(friction_angle.tangent) + Real(cohesion))};
+            larger(Real(0), Real(normal.spring * Real(friction_angle.tangent) + Real(cohesion)))};
     const auto result = slide(slider, rotated_into_plane(history.force, contact.normal),
                               contact.tangential_velocity(), contact);
     history.force = result.spring;

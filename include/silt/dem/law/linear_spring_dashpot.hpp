@@ -39,7 +39,7 @@ struct LinearSpringDashpot {
     const Real spring = k * contact.overlap;
     const Real dashpot = CentredDashpot::force(contact, history, k, beta * k);
     return {.spring = spring,
-            .dashpot = limit_damping ? limited_dashpot(spring, dashpot) : dashpot,
+            .dashpot = limited_dashpot(limit_damping, spring, dashpot),
             .stiffness = k,
             .beta = beta};
   }

@@ -9,7 +9,6 @@
 #include <silt/dem/law/law_components.hpp>
 #include <silt/dem/law/slider.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 namespace silt::dem {
@@ -57,18 +56,23 @@ struct Mindlin {
     const Slider<Real> slider{
         .stiffness = k,
         .dashpot = normal.beta * sqrt(normal.stiffness * k),
-        .limit = std::max<Real>(Real(0), normal.spring * Real(friction_angle.tangent))};
+        .limit = larger(Real(0), Real(normal.spring * Real(friction_angle.tangent)))};
     const Vec v = contact.tangential_velocity();
     const Real ratio = k / history.stiffness;
     const Vec last = rotated_into_plane(history.force, contact.normal);
     const Vec moved = v * contact.time_step;
-    const auto kept = keeps_displacement ? with_displacement(k, ratio, last)
-                                         : with_stiffness(k, ratio, last, moved);
-    const auto result = slide(slider, kept.force, v, contact);
+    const auto with_this_displacement = with_displacement(k, ratio, last);
+    const auto with_this_force = with_stiffness(k, ratio, last, moved);
+    Vec kept;
+    for (int i = 0; i < C::dimension; ++i) {
+      kept[i] =
+          choose(keeps_displacement, with_this_displacement.force[i], with_this_force.force[i]);
+    }
+    const Real lost = choose(keeps_displacement, with_this_displacement.lost, with_this_force.lost);
+    const auto result = slide(slider, kept, v, contact);
     history.force = result.spring;
     history.stiffness = k;
-    return {
-        .spring = result.spring, .dashpot = result.dashpot, .friction = kept.lost + result.lost};
+    return {.spring = result.spring, .dashpot = result.dashpot, .friction = lost + result.lost};
   }
 
   template <class C, class M>

@@ -139,7 +139,7 @@ struct RollingResistance {
     const Real k = of(mu, R, normal.stiffness);
     const Slider<Real> slider{.stiffness = k,
                               .dashpot = dashpot(mu, R, contact.effective_mass, normal.stiffness),
-                              .limit = std::max(Real(0), mu * R * normal.spring)};
+                              .limit = larger(Real(0), Real(mu * R * normal.spring))};
     const auto kept = with_stiffness(k, ratio, before, V(spin * contact.time_step));
     auto result = slide(slider, kept.force, spin, contact);
     result.lost += kept.lost;

@@ -6,7 +6,6 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -66,9 +65,11 @@ Vec rotated_into_plane(const Vec& spring, const Vec& n) {
   const Vec in_plane = spring - spring.dot(n) * n;
   const Real squared_length = in_plane.squaredNorm();
   // Without a force in the plane it does not matter, but a root has no derivative at 0.
-  const Real ratio = squared_length > 0 ? Real(spring.squaredNorm() / squared_length) : Real(1);
+  const bool has_direction = squared_length > 0;
+  const Real ratio = choose(has_direction, Real(spring.squaredNorm()), Real(1)) /
+                     choose(has_direction, squared_length, Real(1));
   // The ratio of a finite spring overflows if it is normal to the plane but for rounding errors.
-  return in_plane * sqrt(std::min(ratio, Real(Eigen::NumTraits<Real>::highest())));
+  return in_plane * sqrt(smaller(ratio, Real(Eigen::NumTraits<Real>::highest())));
 }
 
 /// In units of a force; for rolling and twisting, in those of a couple.
@@ -107,15 +108,15 @@ SliderForce<Vec> slide(const Slider<Real>& slider, const Vec& before, const Vec&
   const Vec trial = before - slider.stiffness * v * contact.time_step;
   const Real size = magnitude(trial);
   const bool slides = size > slider.limit;  // (13)
-  const Vec F = slides ? Vec(trial * (slider.limit / size)) : trial;
+  const Real share = choose(slides, slider.limit, Real(1)) / choose(slides, size, Real(1));
+  const Vec F = trial * share;
   const Real first = slider.stiffness * contact.first_time_step;
   const bool will_slide = v.squaredNorm() * first * first > slider.limit * slider.limit;
-  // One after the other: g++ 12 does not vectorise the two conditions in one.
-  const Real c_unless_sliding = slides ? Real(0) : slider.dashpot;
-  const Real c = will_slide ? Real(0) : c_unless_sliding;
+  const Real c = choose(will_slide, Real(0), choose(slides, Real(0), slider.dashpot));
   // The slider moved by (F − trial)/k, against the mean of the forces before and after.
-  const Real lost = slides ? (trial - F).dot(before + F) / (2 * slider.stiffness) : Real(0);
-  return {F, -c * v, std::max<Real>(Real(0), lost)};
+  const Real lost =
+      (trial - F).dot(before + F) / choose(slides, Real(2 * slider.stiffness), Real(1));
+  return {F, -c * v, larger(Real(0), lost)};
 }
 
 /// What with_stiffness() and with_displacement() return: force on i, or couple [N m].
@@ -130,23 +131,23 @@ struct RescaledForce {
 /// is kept; if it falls, the deflection is kept. In neither case does the stored energy rise.
 template <class Vec, class Real>
 RescaledForce<Vec> with_stiffness(Real k, Real ratio, const Vec& force, const Vec& displacement) {
-  const Vec kept = ratio < 1 ? Vec(force * ratio) : force;
+  const Vec kept = force * choose(ratio < 1, ratio, Real(1));
   // The force changes during the displacement: the work is that of the mean of both.
   const Real lost =
       (force.squaredNorm() * ratio - kept.squaredNorm()) / k - displacement.dot(force - kept);
   const bool had_spring = ratio < std::numeric_limits<double>::infinity();
-  return {kept, had_spring && ratio > 0 && k > 0 ? std::max<Real>(Real(0), lost / 2) : Real(0)};
+  return {kept, choose(had_spring && ratio > 0 && k > 0, larger(Real(0), Real(lost / 2)), Real(0))};
 }
 
 /// The same if the displacement F/k [m] is always kept. If the stiffness rises, the lost energy is
 /// negative.
 template <class Vec, class Real>
 RescaledForce<Vec> with_displacement(Real k, Real ratio, const Vec& force) {
-  const bool had_spring = ratio < std::numeric_limits<double>::infinity() && ratio > 0;
-  const Real finite_ratio = had_spring ? ratio : Real(1);
+  const bool is_bounded = ratio < std::numeric_limits<double>::infinity();
+  const Real finite_ratio = choose(is_bounded, choose(ratio > 0, ratio, Real(1)), Real(1));
   const Real lost = force.squaredNorm() * finite_ratio * (1 - finite_ratio) / k;
-  const Real share = k > 0 ? finite_ratio : Real(0);
-  return {force * share, k > 0 ? lost / 2 : Real(0)};
+  const Real share = choose(k > 0, finite_ratio, Real(0));
+  return {force * share, choose(k > 0, Real(lost / 2), Real(0))};
 }
 
 /// ½ F²/k [J]; 0 without a spring.

@@ -9,7 +9,6 @@
 #include <silt/dem/law/dashpot.hpp>
 #include <silt/dem/law/law_components.hpp>
 
-#include <algorithm>
 
 namespace silt::dem {
 
@@ -47,7 +46,7 @@ struct WaltonBraun {
     using Real = typename C::Real;
     const Real K_1 = Real(loading_stiffness);
     const Real before = history.max_overlap;
-    history.max_overlap = std::max(before, contact.overlap);
+    history.max_overlap = larger(before, contact.overlap);
     // ∫ F dδ_0 along the loading line.
     const Real plastic =
         K_1 * Real(residual_share()) * (squared(history.max_overlap) - squared(before)) / 2;
@@ -81,7 +80,7 @@ struct WaltonBraun {
   typename C::Real spring_force(const C& contact, const M& history) const {
     using Real = typename C::Real;
     const Real delta_0 = Real(residual_share()) * history.max_overlap;
-    return std::max(Real(0), Real(unloading_stiffness()) * (contact.overlap - delta_0));
+    return larger(Real(0), Real(Real(unloading_stiffness()) * (contact.overlap - delta_0)));
   }
 };
 
