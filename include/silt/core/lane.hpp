@@ -69,6 +69,7 @@ class Lane {
   constexpr Lane& operator*=(Lane b) { return *this = *this * b; }
   constexpr Lane& operator/=(Lane b) { return *this = *this / b; }
 
+  /// As silt::choose().
   // By bits: g++ moves arithmetic into the branches of a choice, and then cannot vectorise it,
   // because the arithmetic may trap.
   static constexpr Lane choose(bool condition, Lane a, Lane b) {
