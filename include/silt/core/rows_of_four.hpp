@@ -209,6 +209,23 @@ template <class Real>
     put_two(1, __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 8, 9, 4, 5, 12, 13));
     put_two(2, __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 10, 11, 6, 7, 14, 15));
     put_two(3, __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 10, 11, 6, 7, 14, 15));
+  } else if constexpr (lanes<Real> == 4) {
+    using Numbers = Pack<Real, 4>;
+    for (int lane = 0; lane < 8; lane += 4) {
+      const auto column = [=](int k) { return load<Real, 4>(from[k] + lane); };
+      const auto put = [&](int row, const Numbers& numbers) {
+        store<Real, 4>(to + (lane + row) * stride, numbers);
+      };
+      const Numbers a = column(0), b = column(1), c = column(2), d = column(3);
+      const Numbers a_b_even = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+      const Numbers a_b_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+      const Numbers c_d_even = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+      const Numbers c_d_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+      put(0, __builtin_shufflevector(a_b_even, c_d_even, 0, 1, 4, 5));
+      put(1, __builtin_shufflevector(a_b_odd, c_d_odd, 0, 1, 4, 5));
+      put(2, __builtin_shufflevector(a_b_even, c_d_even, 2, 3, 6, 7));
+      put(3, __builtin_shufflevector(a_b_odd, c_d_odd, 2, 3, 6, 7));
+    }
   } else {
     for (int lane = 0; lane < 8; lane += 2) {
       for (int k = 0; k < 4; k += 2) {
