@@ -3,6 +3,7 @@
 // by one, and after a step that failed; portability.hashes_* compare two runs only. Compiled
 // without SILT_NO_DISPATCH, unlike the other unit tests.
 #include <silt/core/instruction_set.hpp>
+#include <silt/mps.hpp>
 
 #include "support/check.hpp"
 #include "support/grains.hpp"
@@ -12,6 +13,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace silt::test::instruction_sets_test {
@@ -117,6 +119,47 @@ TEST(InstructionSets, GiveTheSameForcesToObservers) {
         });
     return forces;
   });
+}
+
+// A column of water that collapses in its tank: walls of faces, and what an own policy adds.
+struct OwnShifting {
+  void check() const {}
+  template <class View>
+  typename View::Vec displacement(const View& at) const {
+    typename View::Vec sum = View::Vec::Zero();
+    at.for_each([&](const auto& j) { sum += j.weight * j.r_ij; });
+    return -1e-3 * sum;
+  }
+};
+struct OwnScheme : mps::Recommended {
+  OwnShifting shifting{};
+};
+template <class Scheme, int Dim>
+auto collapsing(double spacing) {
+  auto tank = mps::make_tank<Scheme, Dim>({.column = {0.2, 0.4},
+                                           .size = {.length = 0.6, .height = 0.6, .depth = 0.2},
+                                           .spacing = spacing});
+  const mps::Flow<Scheme, Dim> water{
+      {.spacing = spacing, .viscosity = 1e-3, .speed_scale = 2, .walls = tank.walls}};
+  return Simulation{std::move(tank.particles), UniformGrid<Dim>{}, water, SemiImplicit<>{}};
+}
+template <class Start>
+void expect_same_bits_of_flow(Start&& start) {
+  expect_same_with_each([&] {
+    auto dam = start();
+    for (int k = 0; k < 5; ++k) dam.step();
+    return state_of(dam.particles());
+  });
+}
+
+TEST(InstructionSets, GiveTheSameBitsOfAFlowWithAnOwnPolicy) {
+  expect_same_bits_of_flow([] { return collapsing<OwnScheme, 2>(0.02); });
+}
+TEST(InstructionSets, GiveTheSameBitsOfAFlowIn3D) {
+  expect_same_bits_of_flow([] { return collapsing<mps::Recommended, 3>(0.04); });
+}
+TEST(InstructionSets, GiveTheSameBitsOfAFlowWithWallParticles) {
+  expect_same_bits_of_flow([] { return collapsing<mps::Case10, 2>(0.02); });
 }
 
 TEST(InstructionSets, UndoAStepThatFails) {

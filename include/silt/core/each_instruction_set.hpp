@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Includes the file SILT_KERNELS once for each instruction set of the program, see
 // instruction_set.hpp. It has SILT_INSTRUCTION_SET, the name of its namespace, and SILT_LEVEL: 0
-// without intrinsics, 1 with SSE2, 2 with AVX2, 3 with AVX-512.
+// without intrinsics, 1 with SSE2, 2 with AVX2, 3 with AVX-512. If SILT_KERNELS_UP_TO_AVX2 is
+// defined, AVX-512 is not added: see SILT_FOR_PROCESSOR_UP_TO_AVX2.
 //
 // Not by the macros of the compiler, such as __AVX2__: g++ defines them only after it has read a
 // file, and clang does not define them at all. A list of instruction sets rather than an
@@ -50,7 +51,7 @@ SILT_END_OF_SET
 #undef SILT_LEVEL
 #endif
 
-#if SILT_ADDS_AVX512
+#if SILT_ADDS_AVX512 && !defined(SILT_KERNELS_UP_TO_AVX2)
 #define SILT_INSTRUCTION_SET avx512
 #define SILT_LEVEL 3
 #ifdef __clang__
@@ -74,5 +75,6 @@ SILT_END_OF_SET
 #pragma GCC diagnostic pop
 #endif
 #undef SILT_END_OF_SET
+#undef SILT_KERNELS_UP_TO_AVX2
 #undef SILT_KERNELS
 #endif

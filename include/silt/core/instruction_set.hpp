@@ -57,6 +57,15 @@
 #else
 #define SILT_FOR_PROCESSOR(...) (&SILT_ISA_OF_FLAGS::__VA_ARGS__)
 #endif
+// The same for kernels that are not compiled for AVX-512 in addition, because no pack of theirs is
+// wider than a register of AVX2.
+#if SILT_ADDS_AVX2
+#define SILT_FOR_PROCESSOR_UP_TO_AVX2(...)                                           \
+  ::silt::detail::for_processor(&SILT_ISA_OF_FLAGS::__VA_ARGS__, &avx2::__VA_ARGS__, \
+                                &avx2::__VA_ARGS__)
+#else
+#define SILT_FOR_PROCESSOR_UP_TO_AVX2(...) (&SILT_ISA_OF_FLAGS::__VA_ARGS__)
+#endif
 
 namespace silt {
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <silt/core/buffer.hpp>
-#include <silt/core/parallel.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 
@@ -41,7 +41,9 @@ void find_changes(const P& particles, Buffer<Vec>& changes, F&& change_of) {
   // An expression of Eigen could refer to temporary objects.
   static_assert(std::is_same_v<std::invoke_result_t<F, Index>, Vec>);
   changes.resize(particles.size());
-  for_each_of_fluid(particles, [&](Index i) { changes[i] = change_of(i); });
+  for_each_inlined(particles.size(), [&, kinds = particles[kind]](Index i) {
+    if (kinds[i] == Kind::fluid) changes[i] = change_of(i);
+  });
 }
 
 /// Adds the changes to the velocity, or position, of every fluid particle.

@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Four neighbours of a particle at a time, in packs: for sums over all neighbours, which then have
 // four partial sums, one for each lane.
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_MPS_OPERATOR_NEIGHBOUR_PACK
+#define SILT_MPS_OPERATOR_NEIGHBOUR_PACK
 
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
@@ -20,6 +24,32 @@ struct FourVectors {
   const Four<Real>& operator[](int k) const { return components[k]; }
   Four<Real>& operator[](int k) { return components[k]; }
 };
+
+}  // namespace silt::mps
+
+#define SILT_KERNELS_UP_TO_AVX2
+#define SILT_KERNELS <silt/mps/operator/neighbour_pack.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+namespace silt::mps {
+
+using SILT_ISA_OF_FLAGS::NeighbourPack;
+using SILT_ISA_OF_FLAGS::sum_of;
+
+/// Sums that take the values of four neighbours at a time, too: see CorrectedGradient.
+template <class F, int Dim, class Real>
+concept TakesFour =
+    requires(F f, const Four<Real>& numbers, const FourVectors<Dim, Real>& vectors) {
+      f(numbers, vectors, numbers, numbers);
+    };
+
+}  // namespace silt::mps
+
+#endif
+#else
+
+namespace silt::mps::SILT_INSTRUCTION_SET {
+namespace simd = silt::simd::SILT_INSTRUCTION_SET;
 
 /// Four neighbours, as a Neighbour each. Where a particle has no further neighbour, a lane has the
 /// particle itself, with r_ij = 0 and no weight.
@@ -54,32 +84,31 @@ struct NeighbourPack {
       of_these[2] = Four<Real>{third(0), third(1), third(2), third(3)};
     }
   }
-};
 
-/// f(pack) for the neighbours [first, last) of i; `first` is a multiple of four. Inlined, so that the
-/// sums of f stay in registers.
-template <int Dim, class Real, class F>
-[[gnu::always_inline]] inline void for_each_four(const Neighbourhood<Dim, Real>& neighbourhood,
-                                                 Index i, Index first, Index last, F&& f) {
-  const auto row = neighbourhood[i];
-  const Vec<Dim, Real> x_i = neighbourhood.position_of(i);
-  for (Index k = first; k < last; k += 4) {
-    NeighbourPack<Dim, Real> pack;
-    pack.index = row.index + k;
-    pack.get(neighbourhood.positions(), pack.r_ij);
-    for (int a = 0; a < Dim; ++a) pack.r_ij[a] -= x_i[a];
-    simd::load_floats<Real>(row.weight + k, pack.weight);
-    simd::load_floats<Real>(row.weight_over_square + k, pack.weight_over_square);
-    f(pack);
+  /// f(pack) for the neighbours [first, last) of i; `first` is a multiple of four. Inlined, so that
+  /// the sums of f stay in registers.
+  template <class F>
+  [[gnu::always_inline]] static inline void for_each(const Neighbourhood<Dim, Real>& neighbourhood,
+                                                     Index i, Index first, Index last, F&& f) {
+    const auto row = neighbourhood[i];
+    const Vec<Dim, Real> x_i = neighbourhood.position_of(i);
+    for (Index k = first; k < last; k += 4) {
+      NeighbourPack pack;
+      pack.index = row.index + k;
+      pack.get(neighbourhood.positions(), pack.r_ij);
+      for (int a = 0; a < Dim; ++a) pack.r_ij[a] -= x_i[a];
+      simd::load_floats<Real>(row.weight + k, pack.weight);
+      simd::load_floats<Real>(row.weight_over_square + k, pack.weight_over_square);
+      f(pack);
+    }
   }
-}
-
-/// f(pack) for all neighbours of i.
-template <int Dim, class Real, class F>
-[[gnu::always_inline]] inline void for_each_four(const Neighbourhood<Dim, Real>& neighbourhood,
-                                                 Index i, F&& f) {
-  for_each_four(neighbourhood, i, 0, neighbourhood[i].size(), f);
-}
+  /// The same for all neighbours of i.
+  template <class F>
+  [[gnu::always_inline]] static inline void for_each(const Neighbourhood<Dim, Real>& neighbourhood,
+                                                     Index i, F&& f) {
+    for_each(neighbourhood, i, 0, neighbourhood[i].size(), f);
+  }
+};
 
 /// The sum of the four lanes.
 template <class Pack>
@@ -94,10 +123,6 @@ Vec<Dim, Real> sum_of(const FourVectors<Dim, Real>& lanes) {
   return sum;
 }
 
-/// Sums that take the values of four neighbours at a time, too: see CorrectedGradient.
-template <class F, int Dim, class Real>
-concept TakesFour = requires(F f, const Four<Real>& numbers, const FourVectors<Dim, Real>& vectors) {
-  f(numbers, vectors, numbers, numbers);
-};
+}  // namespace silt::mps::SILT_INSTRUCTION_SET
 
-}  // namespace silt::mps
+#endif

@@ -6,6 +6,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
@@ -55,7 +56,8 @@ class Neighbourhood {
     const auto has_row = [kinds = particles[kind]](Index i) { return kinds[i] != Kind::dummy; };
     using Indices = std::span<const std::uint32_t>;
     for_each_row(particles, search, has_row, [&](Index set, Index i, Indices js) {
-      const auto added = sets_[set].add(i, js, positions_, stencil, visible);
+      const auto added =
+          run_inlined([&] { return sets_[set].add(i, js, positions_, stencil, visible); });
       rows_[i] = {added.row, static_cast<std::uint32_t>(set)};
       density_[i] = added.density;
       if (!added.is_distinct) refuse_coincident(particles, i, js, stencil);

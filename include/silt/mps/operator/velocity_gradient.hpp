@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The velocity gradient of the fluid at a particle.
-#pragma once
+//
+// Included once for each instruction set, see core/each_instruction_set.hpp.
+#ifndef SILT_INSTRUCTION_SET
+#ifndef SILT_MPS_OPERATOR_VELOCITY_GRADIENT
+#define SILT_MPS_OPERATOR_VELOCITY_GRADIENT
 
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
@@ -21,10 +25,32 @@ struct VelocityGradient {
   bool is_known = false;          ///< false where neighbours are nearly on a line or plane
 };
 
+}  // namespace silt::mps
+
+#define SILT_KERNELS_UP_TO_AVX2
+#define SILT_KERNELS <silt/mps/operator/velocity_gradient.hpp>
+#include <silt/core/each_instruction_set.hpp>
+
+namespace silt::mps {
+
 /// Least squares with the weights of the stencil, exact for linear flows. From the particles alone:
 /// across a wall, the velocities of images may jump.
 template <class U, class Operators>
-[[gnu::flatten]] auto velocity_gradient(const U& u, Index i, const Operators& operators) {
+auto velocity_gradient(const U& u, Index i, const Operators& operators) {
+  return SILT_FOR_PROCESSOR_UP_TO_AVX2(velocity_gradient<U, Operators>)(u, i, operators);
+}
+
+}  // namespace silt::mps
+
+#endif
+#else
+
+namespace silt::mps::SILT_INSTRUCTION_SET {
+
+/// See above.
+template <class U, class Operators>
+[[gnu::flatten, gnu::noinline]] auto velocity_gradient(const U& u, Index i,
+                                                       const Operators& operators) {
   const auto& stencil = operators.stencil();
   using Stencil = std::remove_cvref_t<decltype(stencil)>;
   using Real = typename Stencil::Real;
@@ -35,7 +61,7 @@ template <class U, class Operators>
   const Vec own = u[i];
   // Σ w r_a r_b, of which only a ≤ b is found, and Σ w u_a r_b, of four neighbours at a time.
   Four<Real> moments_of_four[Dim][Dim] = {}, gradient_of_four[Dim][Dim] = {};
-  for_each_four(operators.neighbourhood(), i, [&](const NeighbourPack<Dim, Real>& j) {
+  NeighbourPack<Dim, Real>::for_each(operators.neighbourhood(), i, [&](const auto& j) {
     FourVectors<Dim, Real> u_j;
     j.get(u, u_j);
     for (int b = 0; b < Dim; ++b) {
@@ -66,4 +92,6 @@ template <class U, class Operators>
   return found;
 }
 
-}  // namespace silt::mps
+}  // namespace silt::mps::SILT_INSTRUCTION_SET
+
+#endif

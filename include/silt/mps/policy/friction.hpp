@@ -6,13 +6,13 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
-#include <silt/core/rows_of_four.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
-#include <silt/mps/operator/neighbour_pack.hpp>
 #include <silt/mps/operator/velocity_gradient.hpp>
 #include <silt/mps/policy/any_particle_view.hpp>
+#include <silt/mps/policy/friction_of_pairs.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +67,7 @@ class PairFriction::InFlow {
     const auto kinds = particles[kind];
     const Real per_root = rate_ * Real(step.time_step) / std::sqrt(Real(step.settings.spacing));
     strains_.resize(particles.total());
-    for_each(particles.size(), [&](Index i) {
+    for_each_inlined(particles.size(), [&](Index i) {
       Strain& strain = strains_[i];
       if (kinds[i] != Kind::fluid) return strain.set_unknown();
       const auto gradient = velocity_gradient(u, i, step.operators);
@@ -90,62 +90,14 @@ class PairFriction::InFlow {
   }
 
   template <class View>
-  [[gnu::flatten]] Vec velocity_change(const View& at) const {
-    const Index i = at.index();
-    const Strain& own = strains_[i];
-    if (!own.is_known()) return Vec::Zero();
-    const auto u = at.velocities();
-    const Vec u_i = at.velocity();
-    FourVectors<Dim, Real> change{};
-    for_each_four(at.neighbourhood(), i, [&](const NeighbourPack<Dim, Real>& j) {
-      Four<Real> others[Strain::size / 4][4];
-      for (int k = 0; k < Strain::size / 4; ++k) {
-        simd::columns_from<Real, 4>(
-            [&](int lane) { return strains_[j.index[lane]].numbers + 4 * k; }, others[k]);
-      }
-      const auto of_others = [&](int place) -> const Four<Real>& {
-        return others[place / 4][place % 4];
-      };
-      FourVectors<Dim, Real> u_j;
-      j.get(u, u_j);
-      Four<Real> along{}, linear{};
-      for (int a = 0; a < Dim; ++a) {
-        along += (u_j[a] - u_i[a]) * j.r_ij[a];
-        for (int b = 0; b <= a; ++b) {
-          const int place = Strain::place(a, b);
-          linear += (of_others(place) + own.numbers[place]) * (j.r_ij[a] * j.r_ij[b]);
-        }
-      }
-      const Four<Real> none{};
-      const Four<Real> least = along < none ? along : none, most = along < none ? none : along;
-      const Four<Real> bounded = linear < least ? least : (most < linear ? most : linear);
-      const Four<Real> shares = of_others(Strain::place_of_share) + own.share();
-      const Four<Real> factor =
-          (shares > none ? shares : none) * j.weight_over_square * (along - bounded);
-      for (int a = 0; a < Dim; ++a) change[a] += factor * j.r_ij[a];
-    });
-    return (Dim / at.stencil().n0) * sum_of(change);
+  Vec velocity_change(const View& at) const {
+    if (!strains_[at.index()].is_known()) return Vec::Zero();
+    return (Dim / at.stencil().n0) *
+           SILT_FOR_PROCESSOR_UP_TO_AVX2(friction_of_pairs<Dim, Real, View>)(at, strains_.data());
   }
 
  private:
-  // In fours of numbers: the rates of strain, lower half of a symmetric matrix, and a_i/2.
-  struct Strain {
-    static constexpr int place_of_share = Dim * (Dim + 1) / 2;
-    static constexpr int size = (place_of_share + 4) / 4 * 4;
-    static constexpr int place(int a, int b) { return a * (a + 1) / 2 + b; }
-
-    Real numbers[size] = {};
-
-    Real& rate(int a, int b) { return numbers[place(a, b)]; }  // [1/s]
-    Real& share() { return numbers[place_of_share]; }
-    Real share() const { return numbers[place_of_share]; }
-    // A share of which no sum with another one is positive.
-    void set_unknown() {
-      std::fill_n(numbers, size, Real(0));
-      share() = -1;
-    }
-    bool is_known() const { return share() >= 0; }
-  };
+  using Strain = StrainForFriction<Dim, Real>;
 
   Real rate_;
   Buffer<Strain> strains_;  // with ghosts

@@ -2,6 +2,7 @@
 // The pressure in the steps of a flow: where it is unknown, the equation for it, and its solution.
 #pragma once
 
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid/fluid.hpp>
@@ -69,9 +70,11 @@ class FlowPressure {
     const int passes = UsesLastPressure<SourceOf<Scheme>> && step.is_first ? max_passes : 1;
     for (int pass = 0; pass < passes; ++pass) {
       timed(seconds.assembly, [&] {
+        const auto source_of = [&](Index i) {
+          return run_inlined([&] { return source(step, i, rise); });
+        };
         equation_.assemble(particles, step.operators.pressure_neighbours(),
-                           step.operators.laplacian_stencil(),
-                           [&](Index i) { return source(step, i, rise); }, boundary_);
+                           step.operators.laplacian_stencil(), source_of, boundary_);
       });
       timed(seconds.solve, [&] { report_ = equation_.solve(particles, solver_); });
       check_solve(particles, report_, step.time_step);
@@ -87,11 +90,10 @@ class FlowPressure {
   const KeptMoments<Dim, Real>& moments() const noexcept { return moments_; }
 
  private:
-  // ∇²P of particle i, without what images are known to add to it: (9), (16). Not inlined, so that
-  // the loop that assembles the equation keeps its sums in registers.
+  // ∇²P of particle i, without what images are known to add to it: (9), (16).
   template <class P>
-  [[gnu::noinline]] double source(const StepView<Scheme, P>& step, Index i,
-                                  const PressureRise<Scheme, P>& rise) const {
+  double source(const StepView<Scheme, P>& step, Index i,
+                const PressureRise<Scheme, P>& rise) const {
     const double own = boundary_.weight_of_surface(i) > 0 ? 0 : source_.value(step.at(i));
     return own - step.at(i).laplacian_of_rises(rise);
   }

@@ -68,13 +68,13 @@ class NeighbourView {
   /// Those of for_each(): f(pack) for the particles, a NeighbourPack, and g(image) for the images.
   template <class F, class G>
   [[gnu::always_inline]] inline void for_each_four(F&& f, G&& g) const {
-    mps::for_each_four(operators_.neighbourhood(), index_, f);
+    NeighbourPack<dimension, Real>::for_each(operators_.neighbourhood(), index_, f);
     operators_.for_each_image(index_, g);
   }
   /// The same within the stencil of the Laplacian.
   template <class F, class G>
   [[gnu::always_inline]] inline void for_each_four_in_laplacian(F&& f, G&& g) const {
-    mps::for_each_four(operators_.laplacian_neighbourhood(), index_, f);
+    NeighbourPack<dimension, Real>::for_each(operators_.laplacian_neighbourhood(), index_, f);
     operators_.for_each_image_in_laplacian(index_, g);
   }
   /// f(normal, height) for every plane of a wall of faces of which a point is straight below the

@@ -7,6 +7,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/policy/free_surface.hpp>
@@ -35,7 +36,7 @@ class PressureBoundary {
     has_pressure_.resize(particles.local());
     near_boundary_.assign(particles.size(), Answer::unknown);
     if constexpr (HasOuterSurface<SurfaceOf<Scheme>>) weight_of_surface_.resize(particles.size());
-    for_each(particles.size(), [&](Index i) {
+    for_each_inlined(particles.size(), [&](Index i) {
       const NeighbourView at(particles, operators, i);
       n[i] = operators.density(i);
       const LocalDensity local{

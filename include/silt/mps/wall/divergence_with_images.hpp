@@ -29,7 +29,7 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
   for (Index from = 0; from < row.size(); from += block) {
     const Index size = std::min(block, row.size() - from);
     Index next = 0;
-    for_each_four(neighbourhood, i, from, from + size, [&](const NeighbourPack<Dim, Real>& j) {
+    NeighbourPack<Dim, Real>::for_each(neighbourhood, i, from, from + size, [&](const auto& j) {
       Four<Real> squares{};
       for (int a = 0; a < Dim; ++a) squares += j.r_ij[a] * j.r_ij[a];
       simd::store<Real, 4>(&distances[next], squares);
@@ -50,7 +50,7 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
     }
     std::fill(slopes.data() + size, slopes.data() + next, Real(0));
     next = 0;
-    for_each_four(neighbourhood, i, from, from + size, [&](const NeighbourPack<Dim, Real>& j) {
+    NeighbourPack<Dim, Real>::for_each(neighbourhood, i, from, from + size, [&](const auto& j) {
       Four<Real> slope;
       simd::load_pack(&slopes[next], slope);
       f(j, slope);

@@ -6,6 +6,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/operator/velocity_gradient.hpp>
@@ -40,7 +41,7 @@ class ExtrapolatedFlow {
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
     const auto n = particles[number_density];
-    for_each(particles.size(), [&](Index i) {
+    for_each_inlined(particles.size(), [&](Index i) {
       const bool is_beyond_walls = !around[i].empty() && !on_surface[i] &&
                                    around[i].has_right_angles_only() &&
                                    !around[i].has_protruding_edge();

@@ -4,6 +4,7 @@
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/mirrors.hpp>
@@ -54,8 +55,10 @@ class FacesNearParticles {
     constexpr Index together = 16;
     for_each_range<together>(around_.size(), [&](Index first, Index last) {
       const Index size = last - first;
-      MirrorsAround<Dim>::find_all(*faces_, std::span<const Vec>(positions_).subspan(first, size),
-                                   reach_, std::span(around_).subspan(first, size));
+      run_in_space<Dim>([&] {
+        MirrorsAround<Dim>::find_all(*faces_, std::span<const Vec>(positions_).subspan(first, size),
+                                     reach_, std::span(around_).subspan(first, size));
+      });
     });
   }
 

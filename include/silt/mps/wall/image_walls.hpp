@@ -5,6 +5,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
@@ -230,9 +231,11 @@ class ImageWalls::InFlow {
   template <class F>
   void for_each_of_images(F&& f) {
     for_each_range<ImageRows<Dim, Real>::together>(near_.size(), [&](Index first, Index last) {
-      for (Index i = first; i < last; ++i) {
-        if (!near_[i].empty()) f(i);
-      }
+      run_in_space<Dim>([&] {
+        for (Index i = first; i < last; ++i) {
+          if (!near_[i].empty()) f(i);
+        }
+      });
     });
   }
 
