@@ -10,8 +10,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/operator/velocity_gradient.hpp>
-
-
+#include <silt/mps/wall/faces_near_particles.hpp>
 
 namespace silt::mps {
 
@@ -35,16 +34,15 @@ class ExtrapolatedFlow {
   /// Of the velocities now. Beyond walls, except on the free surface, beside protruding edges, around
   /// which no linear flow goes, and between walls that are oblique to each other, where half way to an
   /// image in both is not on a wall: extrapolated there, fluid at rest would begin to circulate.
-  /// `around` of each particle are the faces near it.
-  template <FluidParticles P, class Operators, class Around>
-  void find(const P& particles, const Operators& operators, const Buffer<Around>& around) {
+  template <FluidParticles P, class Operators>
+  void find(const P& particles, const Operators& operators, const FacesNearParticles<Dim>& near) {
     const auto u = particles.with_ghosts(velocity);
     const auto on_surface = particles[surface];
     const auto n = particles[number_density];
     for_each_inlined(particles.size(), [&](Index i) {
-      const bool is_beyond_walls = !around[i].empty() && !on_surface[i] &&
-                                   around[i].has_right_angles_only() &&
-                                   !around[i].has_protruding_edge();
+      const bool is_beyond_walls = near.has_faces(i) && !on_surface[i] &&
+                                   near[i].has_right_angles_only() &&
+                                   !near[i].has_protruding_edge();
       const Real full = operators.stencil().n0;
       const bool misses_neighbours = n[i] >= least_even * full && n[i] < least_full * full;
       if (is_beyond_walls || misses_neighbours) {

@@ -35,6 +35,7 @@ class FacesNearParticles {
     positions_.resize(x.size());
     for_each(x.size(), [&](Index j) { positions_[j] = x[j].template cast<double>(); });
     around_.resize(owned);
+    has_faces_.resize(owned);
     find_faces();
     find_those_that_see_all();
   }
@@ -42,10 +43,11 @@ class FacesNearParticles {
   const Faces<Dim>& faces() const noexcept { return *faces_; }
   double reach() const { return reach_; }  ///< [m]
   Index size() const { return around_.size(); }
-  /// The faces around each particle.
-  const Buffer<MirrorsAround<Dim>>& around() const { return around_; }
+  /// The faces around particle i.
   const MirrorsAround<Dim>& operator[](Index i) const { return around_[i]; }
   const Vec& position(Index j) const { return positions_[j]; }  ///< when they were found [m]
+  /// Whether there are any near particle i; of most particles, nothing else is read.
+  bool has_faces(Index i) const { return has_faces_[i] != 0; }
   /// Whether no face hides a neighbour of particle i.
   bool sees_all(Index i) const { return sees_all_[i] != 0; }
 
@@ -59,6 +61,7 @@ class FacesNearParticles {
         MirrorsAround<Dim>::find_all(*faces_, std::span<const Vec>(positions_).subspan(first, size),
                                      reach_, std::span(around_).subspan(first, size));
       });
+      for (Index i = first; i < last; ++i) has_faces_[i] = !around_[i].empty();
     });
   }
 
@@ -74,6 +77,7 @@ class FacesNearParticles {
       }
     };
     for_each(around_.size(), [&](Index i) {
+      if (!has_faces(i)) return;
       for (const std::uint32_t k : around_[i].faces()) add(positions_[i], k);
     });
     for_each(positions_.size() - around_.size(), [&](Index k) {
@@ -83,8 +87,8 @@ class FacesNearParticles {
     sees_all_.resize(around_.size());
     for_each(around_.size(), [&](Index i) {
       constexpr std::uint8_t both = 3;
-      sees_all_[i] = std::ranges::none_of(around_[i].faces(),
-                                          [&](std::uint32_t k) { return sides_[k] == both; });
+      const auto may_hide = [&](std::uint32_t k) { return sides_[k] == both; };
+      sees_all_[i] = !has_faces(i) || std::ranges::none_of(around_[i].faces(), may_hide);
     });
   }
 
@@ -92,6 +96,7 @@ class FacesNearParticles {
   double reach_ = 0;                         // [m]
   Buffer<Vec> positions_;
   Buffer<MirrorsAround<Dim>> around_;
+  Buffer<std::uint8_t> has_faces_;  // each particle
   Buffer<std::uint8_t> sides_;     // of each face that have particles near it, as bits
   Buffer<std::uint8_t> sees_all_;  // of each particle
 };

@@ -32,16 +32,16 @@ void require_fluid_only(const P& particles) {
        {.particle = i, .id = particles.id(i)});
 }
 
-/// Throws if a particle is on a face: its image would be at the same position. `around` of each
-/// particle are the faces near it, spacing in [m].
-template <FluidParticles P, class Around>
-void require_distance_from_faces(const P& particles, const Buffer<Around>& around, double spacing) {
+/// Throws if a particle is on a face: its image would be at the same position. Spacing in [m].
+template <FluidParticles P, int Dim>
+void require_distance_from_faces(const P& particles, const FacesNearParticles<Dim>& near,
+                                 double spacing) {
   constexpr double closest = 1e-3;  // spacings
   const Index i = first_where(particles.size(), [&](Index k) {
-    return around[k].distance() < closest * spacing;
+    return near.has_faces(k) && near[k].distance() < closest * spacing;
   });
   if (i == no_index) return;
-  fail({"ImageWalls: a particle at ", around[i].x(), " m has a distance of ", around[i].distance(),
+  fail({"ImageWalls: a particle at ", near[i].x(), " m has a distance of ", near[i].distance(),
         " m from a wall; begin with half a spacing"},
        {.particle = i, .id = particles.id(i)});
 }
@@ -52,7 +52,7 @@ void require_no_passage(const P& particles, const FacesNearParticles<Dim>& near)
   const auto x = particles[position];
   const NearestImage nearest(particles.box());
   const Index i = first_where(particles.size(), [&](Index k) {
-    if (near[k].empty()) return false;
+    if (!near.has_faces(k)) return false;
     const auto move = nearest(x[k] - near.position(k).template cast<typename P::Real>());
     return !(near[k].visible_share(near.position(k) + move.template cast<double>()) > 0);
   });

@@ -106,7 +106,7 @@ class ImageWalls::InFlow {
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all are located
     near_.find(x, particles.size(), reach);
-    detail::require_distance_from_faces(particles, near_.around(), spacing_);
+    detail::require_distance_from_faces(particles, near_, spacing_);
     images_.clear(particles.size());
     const auto& stencil = operators.stencil();
     for_each_of_images([&](Index i) {
@@ -163,7 +163,7 @@ class ImageWalls::InFlow {
   /// Extrapolates the flow of the velocities now beyond walls, see ExtrapolatedFlow.
   template <FluidParticles P, class Operators>
   void continue_flow(const P& particles, const Operators& operators) {
-    flow_.find(particles, operators, near_.around());
+    flow_.find(particles, operators, near_);
   }
 
   /// f(image) for the images that particle i sees within a stencil.
@@ -211,6 +211,7 @@ class ImageWalls::InFlow {
 
   /// The move [m] of particle i, ended before it goes into a wall.
   Vec before_walls(Index i, const Vec& move) const {
+    if (!near_.has_faces(i)) return move;
     // Spacings: half of KeepApart::image_distance = 0.7. Closer, its own image would give a particle
     // of spray so high a density that it had a pressure.
     constexpr double clearance = 0.35;
@@ -233,7 +234,7 @@ class ImageWalls::InFlow {
     for_each_range<ImageRows<Dim, Real>::together>(near_.size(), [&](Index first, Index last) {
       run_in_space<Dim>([&] {
         for (Index i = first; i < last; ++i) {
-          if (!near_[i].empty()) f(i);
+          if (near_.has_faces(i)) f(i);
         }
       });
     });
