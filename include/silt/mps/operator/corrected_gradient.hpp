@@ -22,12 +22,12 @@ struct CorrectedGradient {
   void check() const {
     require_between("CorrectedGradient: min_determinant", min_determinant, {0, 1});
   }
-  /// C⁻¹ d/n0 of a particle, its `determinant` [-] and its `inverse` [-]. It depends on positions
-  /// only, and serves for several φ.
+  /// Of the neighbours of a particle: depends on positions only, and serves for several φ.
   template <int Dim, class Real>
   struct Moments {
-    Real determinant;
-    Eigen::Matrix<Real, Dim, Dim> inverse;
+    Real determinant;                       ///< of C⁻¹ d/n0 [-]
+    Eigen::Matrix<Real, Dim, Dim> inverse;  ///< of C⁻¹ d/n0 [-]
+    Vec<Dim, Real> first;                   ///< Σ w r_ij/r² [1/m]
   };
 
   template <class T, class Real, class Neighbours>
@@ -46,6 +46,7 @@ struct CorrectedGradient {
         (T::dimension / stencil.n0) * sums.moments();
     found.determinant = moments.determinant();
     found.inverse = moments.inverse();
+    found.first = sums.first();
     return corrected(stencil, sums.rise(), found);
   }
   /// The same with known moments, of the same neighbours.
@@ -59,14 +60,16 @@ struct CorrectedGradient {
   }
 
  private:
-  // Σ (φ_j − φ_i) r_ij w/r² and Σ r_ij r_ijᵀ w/r², of neighbours one by one and of four at a time.
+  // Σ (φ_j − φ_i) r_ij w/r², and the sums for the moments, of neighbours one by one and of four at
+  // a time.
   template <int Dim, class Real, bool has_moments>
   struct Sums {
     using Vec = silt::Vec<Dim, Real>;
     template <class Number>
     struct Part {
       Number rise[Dim] = {};
-      Number moments[Dim][Dim] = {};  // a ≤ b
+      Number moments[Dim][Dim] = {};  // Σ r_ij r_ijᵀ w/r², a ≤ b
+      Number first[Dim] = {};         // Σ r_ij w/r²
 
       [[gnu::always_inline]] void add(const Number& phi_ij, const auto& r_ij, const Number& w_r2) {
         for (int b = 0; b < Dim; ++b) {
@@ -74,6 +77,7 @@ struct CorrectedGradient {
           rise[b] += phi_ij * weighted;
           if constexpr (has_moments) {
             for (int a = 0; a <= b; ++a) moments[a][b] += r_ij[a] * weighted;
+            first[b] += weighted;
           }
         }
       }
@@ -91,11 +95,8 @@ struct CorrectedGradient {
                                            const Four<Real>& w_r2) {
       four.add(phi_j - phi_i, r_ij, w_r2);
     }
-    Vec rise() const {
-      Vec sum;
-      for (int b = 0; b < Dim; ++b) sum[b] = one.rise[b] + sum_of(four.rise[b]);
-      return sum;
-    }
+    Vec rise() const { return sum_of_parts(one.rise, four.rise); }
+    Vec first() const { return sum_of_parts(one.first, four.first); }
     auto moments() const {
       Eigen::Matrix<Real, Dim, Dim> sum;
       for (int b = 0; b < Dim; ++b) {
@@ -103,6 +104,13 @@ struct CorrectedGradient {
           sum(a, b) = sum(b, a) = one.moments[a][b] + sum_of(four.moments[a][b]);
         }
       }
+      return sum;
+    }
+
+   private:
+    static Vec sum_of_parts(const Real (&of_one)[Dim], const Four<Real> (&of_four)[Dim]) {
+      Vec sum;
+      for (int b = 0; b < Dim; ++b) sum[b] = of_one[b] + sum_of(of_four[b]);
       return sum;
     }
   };

@@ -26,6 +26,11 @@ class KeptMoments {
     moments_.resize(particles);
   }
 
+  /// Those of particle i, if they are known.
+  const Moments* find(Index i) const {
+    return i < is_known_.size() && is_known_[i] ? &moments_[i] : nullptr;
+  }
+
   /// gradient.evaluate() of particle i.
   template <class G, class T, class Neighbours>
   [[gnu::always_inline]] inline Vec<Dim, Real> evaluate(Index i, const G& gradient,

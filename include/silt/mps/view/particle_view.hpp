@@ -135,9 +135,13 @@ class ParticleView
   }
   /// l0/n0 Σ w r_ij/r² [-], in the direction of increasing particle concentration.
   Vec concentration_gradient() const {
+    const Real factor = this->spacing() / this->stencil().n0;
+    if constexpr (all_have_pressure) {  // as the moments require
+      if (const auto* const kept = step_.moments.find(this->index())) return factor * kept->first;
+    }
     const auto over_neighbours = [this](auto&& f, auto&& g) { this->for_each_four(f, g); };
     const auto weight = [](const auto& j) -> const auto& { return j.weight_over_square; };
-    return this->spacing() / this->stencil().n0 * first_moment(over_neighbours, weight);
+    return factor * first_moment(over_neighbours, weight);
   }
   /// Σ w r_ij within the stencil of the Laplacian [m]
   Vec laplacian_moment() const {

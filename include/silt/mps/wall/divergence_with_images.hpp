@@ -14,8 +14,9 @@ namespace silt::mps {
 
 namespace detail {
 
-/// f(pack, s) for the neighbours of a view and g(image, s) for its images, with s = −w'/(r slope_sum)
-/// times the share that is seen. Roots and quotients first, for many at a time.
+/// f(pack, s) for the neighbours of a view, without their weights, and g(image, s) for its images,
+/// with s = −w'/(r slope_sum) times the share that is seen. Roots and quotients first, for many at
+/// a time.
 template <int Dim, class Real, class View, class Walls, class F, class G>
 [[gnu::always_inline]] inline void for_each_with_slope(const View& at, const Walls& walls, F&& f,
                                                        G&& g) {
@@ -26,12 +27,14 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
   const auto slope_at = [&](Real r) -> Real { return -stencil.slope(r) / (r * stencil.slope_sum); };
   constexpr Index block = 64;
   std::array<Real, block> distances, slopes;
+  std::array<std::array<Real, block>, Dim> r_ij;
   for (Index from = 0; from < row.size(); from += block) {
     const Index size = std::min(block, row.size() - from);
     Index next = 0;
     NeighbourPack<Dim, Real>::for_each(neighbourhood, i, from, from + size, [&](const auto& j) {
       Four<Real> squares{};
       for (int a = 0; a < Dim; ++a) squares += j.r_ij[a] * j.r_ij[a];
+      for (int a = 0; a < Dim; ++a) simd::store<Real, 4>(&r_ij[std::size_t(a)][next], j.r_ij[a]);
       simd::store<Real, 4>(&distances[next], squares);
       next += 4;
     });
@@ -49,13 +52,14 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
       }
     }
     std::fill(slopes.data() + size, slopes.data() + next, Real(0));
-    next = 0;
-    NeighbourPack<Dim, Real>::for_each(neighbourhood, i, from, from + size, [&](const auto& j) {
+    for (Index k = 0; k < size; k += 4) {
+      NeighbourPack<Dim, Real> j;
+      j.index = row.index + from + k;
+      for (int a = 0; a < Dim; ++a) simd::load_pack(&r_ij[std::size_t(a)][k], j.r_ij[a]);
       Four<Real> slope;
-      simd::load_pack(&slopes[next], slope);
+      simd::load_pack(&slopes[k], slope);
       f(j, slope);
-      next += 4;
-    });
+    }
   }
   walls.for_each_image(i, stencil, [&](const auto& image) {
     g(image, image.share * slope_at(image.r_ij.norm()));
