@@ -11,8 +11,8 @@
 #include <array>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
+#include <utility>
 
 namespace silt {
 
@@ -22,22 +22,40 @@ inline constexpr Index many_cells = 1536;
 /// The same if each cell takes tens of nanoseconds.
 inline constexpr Index some_cells = 192;
 
+/// f(first, last) for ranges that together are [0, n), in parallel if there are at least
+/// min_parallel cells.
+template <class F>
+void for_each_cell_range(Index n, F&& f, Index min_parallel = many_cells) {
+  constexpr Index task_size = 64;
+  if (n < min_parallel) {
+    if (n > 0) f(Index(0), n);
+  } else {
+    for_each_task((n + task_size - 1) / task_size,
+                  [&](Index task) { f(task * task_size, std::min(n, (task + 1) * task_size)); });
+  }
+}
 /// f(c) for c in [0, n), in parallel if there are at least min_parallel cells.
 template <class F>
 void for_each_cell(Index n, F&& f, Index min_parallel = many_cells) {
-  constexpr Index task_size = 64;
-  if (n < min_parallel) {
-    for (Index c = 0; c < n; ++c) f(c);
-  } else {
-    for_each_task((n + task_size - 1) / task_size, [&](Index task) {
-      for (Index c = task * task_size; c < std::min(n, (task + 1) * task_size); ++c) f(c);
-    });
-  }
+  for_each_cell_range(
+      n,
+      [&f](Index first, Index last) {
+        for (Index c = first; c < last; ++c) f(c);
+      },
+      min_parallel);
 }
 
 /// Integer coordinates of a cell: c covers [c, c + 1) edge lengths along each axis.
 template <int Dim>
 using GridCell = std::array<std::int64_t, Dim>;
+
+/// a = b, without the function call that a comparison of arrays is.
+template <int Dim>
+bool is_same_cell(const GridCell<Dim>& a, const GridCell<Dim>& b) {
+  std::int64_t difference = 0;
+  for (std::size_t k = 0; k < Dim; ++k) difference |= a[k] ^ b[k];
+  return difference == 0;
+}
 
 /// Numbering order of the cells; within a colour, x varies fastest.
 enum class CellOrder {
@@ -79,18 +97,15 @@ class BackgroundCells {
 
   /// Number of a cell.
   std::uint32_t find(const Cell& cell) const {
-    if (has_table_) {
-      for (std::size_t k = 0; k < Dim; ++k) {
-        if (cell[k] < lower_[k] || cell[k] - lower_[k] >= extent_[k]) return none;
-      }
-      return table_[table_index(cell)];
-    }
-    const auto first_black = cells_.begin() + static_cast<std::ptrdiff_t>(reds_);
-    const auto begin = is_red(cell) ? cells_.begin() : first_black;
-    const auto end = is_red(cell) ? first_black : cells_.end();
-    const auto found = std::lower_bound(begin, end, cell, comes_before);
-    if (found == end || *found != cell) return none;
-    return static_cast<std::uint32_t>(found - cells_.begin());
+    if (!has_table_) return find_sorted(cell);
+    return is_in_box(cell) ? table_[table_index(cell)] : none;
+  }
+
+  /// Number of the cell beside an occupied one: behind it along the axis, or in front of it.
+  std::uint32_t beside(const Cell& cell, std::size_t axis, bool behind) const {
+    Cell next = cell;
+    next[axis] += behind ? 1 : -1;
+    return find(next);
   }
 
   /// The cells in the order of their numbers.
@@ -100,9 +115,24 @@ class BackgroundCells {
   Index reds() const noexcept { return reds_; }
 
  private:
+  // Axes written one by one, because without -O3 g++ leaves loops over them.
+  using Axes = std::make_index_sequence<Dim>;
+
   bool is_red(const Cell& cell) const {
-    return order_ == CellOrder::plain ||
-           (std::accumulate(cell.begin(), cell.end(), std::int64_t(0)) & 1) == 0;
+    return order_ == CellOrder::plain || (sum_of(cell, Axes{}) & 1) == 0;
+  }
+  template <std::size_t... k>
+  static std::int64_t sum_of(const Cell& cell, std::index_sequence<k...>) {
+    return (cell[k] + ...);
+  }
+
+  [[gnu::noinline]] std::uint32_t find_sorted(const Cell& cell) const {
+    const auto first_black = cells_.begin() + static_cast<std::ptrdiff_t>(reds_);
+    const auto begin = is_red(cell) ? cells_.begin() : first_black;
+    const auto end = is_red(cell) ? first_black : cells_.end();
+    const auto found = std::lower_bound(begin, end, cell, comes_before);
+    if (found == end || *found != cell) return none;
+    return static_cast<std::uint32_t>(found - cells_.begin());
   }
 
   static bool comes_before(const Cell& a, const Cell& b) {
@@ -113,44 +143,59 @@ class BackgroundCells {
     lower_.fill(std::numeric_limits<std::int64_t>::max());
     Cell upper;
     upper.fill(std::numeric_limits<std::int64_t>::min());
-    for (const Cell& cell : given) {
-      for (std::size_t k = 0; k < Dim; ++k) {
-        lower_[k] = std::min(lower_[k], cell[k]);
-        upper[k] = std::max(upper[k], cell[k]);
-      }
-    }
+    for (const Cell& cell : given) extend_box(cell, upper, Axes{});
     extent_.fill(0);
     for (std::size_t k = 0; k < Dim && !given.empty(); ++k) extent_[k] = upper[k] - lower_[k] + 1;
   }
+  template <std::size_t... k>
+  void extend_box(const Cell& cell, Cell& upper, std::index_sequence<k...>) {
+    ((lower_[k] = std::min(lower_[k], cell[k])), ...);
+    ((upper[k] = std::max(upper[k], cell[k])), ...);
+  }
 
   void collect_by_table(std::span<const Cell> given, Index size) {
+    stride_[0] = 1;
+    for (std::size_t k = 1; k < Dim; ++k) stride_[k] = stride_[k - 1] * extent_[k - 1];
     table_.assign(size, none);
     for (const Cell& cell : given) table_[table_index(cell)] = 0;
     Cell cell = lower_;
-    for (Index index = 0; index < size; ++index) {
-      if (table_[index] != none) cells_.push_back(cell);
-      for (std::size_t k = 0; k < Dim; ++k) {  // the next cell, x fastest
-        if (++cell[k] - lower_[k] < extent_[k] || k + 1 == Dim) break;
+    const auto along = static_cast<Index>(extent_[0]);
+    for (Index line = 0; line < size; line += along) {
+      for (Index x = 0; x < along; ++x) {
+        if (table_[line + x] == none) continue;
+        cell[0] = lower_[0] + static_cast<std::int64_t>(x);
+        cells_.push_back(cell);
+      }
+      for (std::size_t k = 1; k < Dim; ++k) {  // the next line, y before z
+        if (++cell[k] - lower_[k] < extent_[k]) break;
         cell[k] = lower_[k];
       }
     }
   }
 
   void sort_by_colour() {
-    by_colour_.clear();
-    for (const bool red : {true, false}) {
-      for (const Cell& cell : cells_) {
-        if (is_red(cell) == red) by_colour_.push_back(cell);
-      }
-      if (red) reds_ = by_colour_.size();
-    }
+    reds_ = cells_.size();
+    if (order_ == CellOrder::plain) return;
+    reds_ = 0;
+    for (const Cell& cell : cells_) reds_ += is_red(cell) ? 1 : 0;
+    by_colour_.resize(cells_.size());
+    Index red = 0;
+    Index black = reds_;
+    for (const Cell& cell : cells_) by_colour_[is_red(cell) ? red++ : black++] = cell;
     cells_.swap(by_colour_);
   }
 
-  Index table_index(const Cell& cell) const {
-    std::int64_t index = 0;
-    for (std::size_t k = Dim; k-- > 0;) index = index * extent_[k] + (cell[k] - lower_[k]);
-    return static_cast<Index>(index);
+  bool is_in_box(const Cell& cell) const { return is_in_box(cell, Axes{}); }
+  template <std::size_t... k>
+  bool is_in_box(const Cell& cell, std::index_sequence<k...>) const {
+    return ((static_cast<std::uint64_t>(cell[k]) - static_cast<std::uint64_t>(lower_[k]) <
+             static_cast<std::uint64_t>(extent_[k])) &&
+            ...);
+  }
+  Index table_index(const Cell& cell) const { return table_index(cell, Axes{}); }
+  template <std::size_t... k>
+  Index table_index(const Cell& cell, std::index_sequence<k...>) const {
+    return static_cast<Index>((((cell[k] - lower_[k]) * stride_[k]) + ...));
   }
 
   CellOrder order_ = CellOrder::plain;
@@ -159,6 +204,7 @@ class BackgroundCells {
   Buffer<std::uint32_t> table_;  // numbers of the cells of the bounding box
   Cell lower_{};
   std::array<std::int64_t, Dim> extent_{};
+  std::array<std::int64_t, Dim> stride_{};  // in table_
   Index reds_ = 0;
   bool has_table_ = true;
 };

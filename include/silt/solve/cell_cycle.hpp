@@ -6,7 +6,8 @@
 //     …           until few cells are left, for which a direct solver is used
 //
 // in single precision. Sweeps are red–black before the coarse correction and black–red after it, so
-// that it is symmetric. Bitwise identical for any number of threads.
+// that it is symmetric; between them, the residual is in the red cells, and only their corrections
+// have an effect. Bitwise identical for any number of threads.
 #pragma once
 
 #include <silt/core/buffer.hpp>
@@ -123,14 +124,15 @@ class CellCycle {
       solve_coarsest(level.b, level.x);
       return;
     }
-    std::fill(level.x.begin(), level.x.end(), 0.0f);
-    for (int sweep = 0; sweep < settings_.sweeps; ++sweep) {
+    level.relax_reds_from_zero();
+    level.relax(Level::black);
+    for (int sweep = 1; sweep < settings_.sweeps; ++sweep) {
       level.relax(Level::red);
       level.relax(Level::black);
     }
     if (!is_coarsest) {
       Level& coarse = levels_[l + 1];
-      level.find_residual();
+      level.find_red_residual();
       coarsenings_[l].restrict_to(coarse.b, level.r);
       cycle(l + 1);
       coarsenings_[l].add_interpolated(coarse.x, level.x);
@@ -143,8 +145,8 @@ class CellCycle {
 
   CellMultigridSettings settings_;
   Buffer<Level> levels_;  // only the first used_ are valid; the others keep their memory
-  Buffer<CellCoarsening<Dim>> coarsenings_;       // from each level to the next
-  Index used_ = 0;                                // number of levels
+  Buffer<CellCoarsening<Dim>> coarsenings_;  // from each level to the next
+  Index used_ = 0;                           // number of levels
   SmallMatrix<float> coarsest_inverse_;
 };
 

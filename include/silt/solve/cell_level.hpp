@@ -9,39 +9,34 @@
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
-#include <silt/linear/rows.hpp>
 #include <silt/solve/background_cells.hpp>
+#include <silt/solve/cell_links.hpp>
 
 #include <algorithm>
-#include <cstdint>
 
 namespace silt {
 
 /// The cells of one level, with their equations, solutions `x`, right sides `b` and residuals `r`.
 template <int Dim>
 struct CellLevel {
-  /// A link to a neighbouring `cell`, by its number.
-  struct Link {
-    std::uint32_t cell;
-    float conductance;  ///< above 0 [as the entries of A]
-  };
   /// Cells of one colour have no links to each other: `red` and `black`, as on a chessboard.
   enum Colour { red, black };
 
   Buffer<GridCell<Dim>> cells;  ///< red ones first; several at a position divided by walls
-  Index reds = 0;                    ///< number of red cells
-  Rows<Link> links;                  ///< to cells of the other colour
-  Buffer<float> mass;                ///< coupling to the free surface
-  Buffer<float> diagonal;            ///< of the matrix
-  Buffer<float> inverse;             ///< of the diagonal
-  Buffer<float> x, b, r;
+  Index reds = 0;               ///< number of red cells
+  CellLinks<Dim> links;         ///< to cells of the other colour
+  Buffer<float> mass;           ///< coupling to the free surface
+  Buffer<float> diagonal;       ///< of the matrix
+  Buffer<float> inverse;        ///< of the diagonal
+  Buffer<float> x, b;
+  Buffer<float> r;  ///< of red cells
 
   Index size() const noexcept { return cells.size(); }
 
   /// n cells, without positions, links and masses.
   void reset(Index n) {
     cells.resize(n);
-    for (auto* values : {&mass, &diagonal, &inverse, &x, &b, &r}) values->assign(n, 0);
+    for (auto* values : {&mass, &diagonal, &inverse, &x, &b, &r}) values->resize(n);
   }
 
   /// Computes the diagonal. Every cell gets at least a small mass, because the equation of a closed
@@ -49,10 +44,17 @@ struct CellLevel {
   void finish(float min_mass) {
     for_each_cell(size(), [&](Index c) {
       float sum = 0;
-      for (const Link& link : links[c]) sum += link.conductance;
+      for (const CellLink& link : links[c]) sum += link.conductance;
       mass[c] = std::max(mass[c], min_mass * sum);
       diagonal[c] = sum + mass[c];
       inverse[c] = diagonal[c] > 0 ? 1 / diagonal[c] : 0;
+    });
+  }
+
+  /// As relax(red) where x = 0, whatever x is.
+  void relax_reds_from_zero() {
+    for_each_cell_range(reds, [&](Index first, Index last) {
+      for (Index c = first; c < last; ++c) x[c] = b[c] * inverse[c];
     });
   }
 
@@ -60,23 +62,21 @@ struct CellLevel {
   void relax(Colour colour) {
     const Index from = colour == red ? 0 : reds;
     const Index to = colour == red ? reds : size();
-    for_each_cell(to - from, [&](Index k) {
-      const Index c = from + k;
-      x[c] = (b[c] + inflow(c)) * inverse[c];
+    for_each_cell_range(to - from, [&, from](Index first, Index last) {
+      links.for_each_inflow(from + first, from + last, x.data(),
+                            [x = x.data(), b = b.data(), inverse = inverse.data()](
+                                Index c, float inflow) { x[c] = (b[c] + inflow) * inverse[c]; });
     });
   }
 
-  /// r = b − A x.
-  void find_residual() {
-    for_each_cell(size(), [&](Index c) { r[c] = b[c] + inflow(c) - diagonal[c] * x[c]; });
-  }
-
- private:
-  // Σ_l k_l x_l
-  float inflow(Index c) const {
-    float sum = 0;
-    for (const Link& link : links[c]) sum += link.conductance * x[link.cell];
-    return sum;
+  /// r = b − A x of the red cells. That of the black ones, if they were relaxed last, is round-off.
+  void find_red_residual() {
+    for_each_cell_range(reds, [&](Index first, Index last) {
+      links.for_each_inflow(
+          first, last, x.data(),
+          [r = r.data(), x = x.data(), b = b.data(), diagonal = diagonal.data()](
+              Index c, float inflow) { r[c] = b[c] + inflow - diagonal[c] * x[c]; });
+    });
   }
 };
 

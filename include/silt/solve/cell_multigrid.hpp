@@ -27,7 +27,6 @@
 #include <silt/solve/cell_multigrid_settings.hpp>
 
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -73,13 +72,11 @@ class CellMultigrid {
   void apply(const std::vector<double>& r, std::vector<double>& z) {
     Level& finest = cycle_.finest();
     if (uses_cells_) {
-      to_particles_.restrict_to(finest.b, [&](Index i) { return r[i]; });
+      to_particles_.restrict_to(finest.b, r.data());
       cycle_.solve();
     }
     if (uses_cells_ && finest.size() > 0) {
-      to_particles_.interpolate(finest.x, [&](Index i, float correction) {
-        z[i] = inverse_[i] * r[i] + double(correction);
-      });
+      to_particles_.interpolate(finest.x, inverse_.data(), r.data(), z.data());
     } else {
       for_each(r.size(), [&](Index i) { z[i] = inverse_[i] * r[i]; });
     }
@@ -94,29 +91,26 @@ class CellMultigrid {
 
   void build_finest_level(const LinearSystem& system) {
     const auto& geometry = system.geometry;
-    const double edge = settings_.cell_size * geometry.spacing;
+    const double per_edge = 1 / (settings_.cell_size * geometry.spacing);
     const auto takes_part = [&](Index i) {
       return system.diagonal[i] >= settings_.min_diagonal * geometry.full_diagonal;
     };
     const auto point = [&](Index i) {
       Point x;
-      for (std::size_t k = 0; k < Dim; ++k) x[k] = geometry.points[i][k] / edge;
+      for (std::size_t k = 0; k < Dim; ++k) x[k] = geometry.points[i][k] * per_edge;
       return x;
     };
+    to_particles_.locate(system.size(), point, takes_part);
     const auto number_cells = [&] {
-      occupied_.clear();
-      for (Index i = 0; i < system.size(); ++i) {
-        if (takes_part(i)) occupied_.push_back(cell_at(point(i)));
-      }
+      to_particles_.occupied_cells(occupied_);
       if constexpr (!shares_unknowns) finest_cells_.number(occupied_, CellOrder::chessboard);
     };
-    const auto sort_points = [&] { to_particles_.sort(system.size(), point, takes_part); };
-    for_each_task(2, [&](Index task) { task == 0 ? number_cells() : sort_points(); });
+    for_each_task(2, [&](Index task) { task == 0 ? number_cells() : to_particles_.sort(); });
     if constexpr (shares_unknowns) {
       finest_cells_.number(cycle_.share(system, occupied_, to_particles_.corner_cells()),
                            CellOrder::chessboard);
     }
-    to_particles_.build(finest_cells_, point);
+    to_particles_.build(finest_cells_);
     Level& level = cycle_.finest();
     level.reset(finest_cells_.size());
     level.cells.assign(finest_cells_.cells());
@@ -125,22 +119,23 @@ class CellMultigrid {
     // The masses m_i = Σ w_ij to the free surface and the stiffnesses ½ Σ_j w_ij Δx²/edge² of the
     // particles are distributed to the cells by Pᵀ; a link has the mean stiffness of its cells. The
     // second moment of an incomplete stencil is scaled with its sum of weights.
-    to_particles_.restrict_to(level.mass, [&](Index i) { return geometry.to_surface[i]; });
+    to_particles_.restrict_to(level.mass, geometry.to_surface.data());
     const double scale = geometry.second_moment / (2 * squared(settings_.cell_size));
-    stiffness_.resize(level.size());
-    to_particles_.restrict_to(stiffness_, [&](Index i) {
-      return scale * (system.diagonal[i] - double(geometry.to_surface[i]));
+    stiffness_of_points_.resize(system.size());
+    for_each(system.size(), [&](Index i) {
+      stiffness_of_points_[i] =
+          static_cast<float>(scale * (system.diagonal[i] - double(geometry.to_surface[i])));
     });
+    stiffness_.resize(level.size());
+    to_particles_.restrict_to(stiffness_, stiffness_of_points_.data());
     if constexpr (shares_unknowns) {
       cycle_.add_of_others(finest_cells_, level.mass);
       cycle_.add_of_others(finest_cells_, stiffness_);
     }
     level.links.build(level.size(), [&](Index c, auto&& add) {
       for (std::size_t k = 0; k < Dim; ++k) {
-        for (const std::int64_t direction : {-1, 1}) {
-          GridCell<Dim> next = level.cells[c];
-          next[k] += direction;
-          const std::uint32_t other = finest_cells_.find(next);
+        for (const bool behind : {false, true}) {
+          const std::uint32_t other = finest_cells_.beside(level.cells[c], k, behind);
           if (other == BackgroundCells<Dim>::none) continue;
           const float conductance = (stiffness_[c] + stiffness_[other]) / 2;
           if (conductance > 0) add({other, conductance});
@@ -149,17 +144,12 @@ class CellMultigrid {
     });
   }
 
-  static GridCell<Dim> cell_at(const Point& x) {
-    GridCell<Dim> cell;
-    for (std::size_t k = 0; k < Dim; ++k) cell[k] = std::int64_t(std::floor(x[k]));
-    return cell;
-  }
-
   Settings settings_;
   Buffer<double> inverse_;  // of the system's diagonal
   Buffer<GridCell<Dim>> occupied_;
   BackgroundCells<Dim> finest_cells_;
   CellInterpolation<Dim> to_particles_;
+  Buffer<float> stiffness_of_points_;
   Buffer<float> stiffness_;  // by finest cell
   Cycle cycle_;
   bool uses_cells_ = false;
