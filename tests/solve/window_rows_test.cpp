@@ -82,6 +82,30 @@ TEST(WindowRows, GiveTheProductOfTheirEntries) {
   }
 }
 
+// That rows have any extent, with columns that differ by more than 16 bits can hold, and any number of
+// entries, which the rows of a fluid do not have.
+TEST(WindowRows, MayBeWideAndLong) {
+  constexpr Index columns = 200000;
+  const auto for_each_entry_of = [](Index i, auto&& add) {
+    add(i, 1.0);
+    if (i >= 256) add(columns - 1 - i, 2.0);  // not in the first rows that are stored together
+    for (Index k = 0; i % 3 == 0 && k < i; ++k) add(1000 + 3 * k, 0.5);
+  };
+  WindowRows rows;
+  rows.build(700, columns, for_each_entry_of);
+  std::vector<double> x(columns);
+  for (Index i = 0; i < columns; ++i) x[i] = double(i % 17) - 3;
+  std::vector<double> expected(rows.size(), 0);
+  for (Index i = 0; i < rows.size(); ++i) {
+    std::map<Index, double> entries, found;
+    for_each_entry_of(i, [&](Index column, double value) { entries[column] += value; });
+    for (const auto& [column, value] : entries) expected[i] += value * x[column];
+    rows.for_each_entry(i, [&](Index column, double value) { found[column] += value; });
+    EXPECT_EQ(found, entries) << i;
+  }
+  EXPECT_EQ(product(rows, x), expected);
+}
+
 TEST(WindowRows, SumRepeatedEntries) {
   WindowRows rows;
   rows.build(20, [](Index i, auto&& add) {

@@ -1,24 +1,33 @@
 // SPDX-License-Identifier: MIT
 // Sparse matrix whose entries are clustered within a row, as for particles sorted in space: a row
-// is stored as windows of four consecutive columns, with zeros between the entries.
+// is stored as windows of two consecutive columns, with a zero where there is one entry.
 //
 //   entries   5:a  6:b  8:c  40:d
-//   windows   at 5 [a b 0 c]   at 40 [d 0 0 0]
+//   windows   at 5 [a b]   at 8 [c 0]   at 40 [d 0]
 //
 // A product reads contiguous runs of x and needs no index for each entry. Entries are stored in
 // single precision, which halves the memory read; the product is computed in double. Its time is
-// proportional to the memory read: for fluid in 3D, with 31 entries in a row, windows of four take
-// a third less memory and time than windows of eight.
+// proportional to the memory read, for fluid in 3D, with 31 entries in a row: with columns of 16
+// bits, 223 bytes of a row; windows of four take 286, of eight more.
+//
+// Rows are stored in the order of their numbers of windows, so that the processor can predict the
+// end of the loop over them, and in groups of four, of which one register holds a window each:
+//
+//   rows 7, 2, 0, 3   windows of row 7, row 2, row 0, row 3, row 7, …
 #pragma once
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/window_products.hpp>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
+#include <cstring>
+#include <limits>
+#include <numeric>
 #include <span>
 
 namespace silt {
@@ -27,7 +36,7 @@ namespace silt {
 class WindowRows {
  public:
   /// Number of columns of a window.
-  static constexpr Index window_size = 4;
+  static constexpr Index window_size = 2;
 
   /// Builds a matrix of n rows and n columns: f(i, add) calls add(column, value) for the entries of row i,
   /// and values of the same column are summed. Columns may be in any order; ascending order gives
@@ -53,117 +62,224 @@ class WindowRows {
   /// f(i, Σ_j a_ij x_j) for the rows of one range of rows_together; x has an element for each column.
   template <class F>
   void multiply(Index first_row, Index last_row, std::span<const double> x, F&& f) const {
-    const RowSet& rows = sets_[first_row / rows_together];
-    const RowSet& next = last_row < size_ ? sets_[last_row / rows_together] : rows;
     if (x.size() < window_size) {
       for (Index i = first_row; i < last_row; ++i) f(i, narrow_product(i, x));
       return;
     }
-    const std::uint32_t* const first = rows.first.data();
-    const std::uint32_t* const columns = rows.columns.data();
-    const float* const values = rows.values.data();
-    const double* const factors = x.data();
-    const Index windows = first[last_row - first_row];
-    for (Index i = first_row; i < last_row; ++i) {
-      const Index begin = first[i - first_row];
-      const Index end = first[i - first_row + 1];
-      // Rows are read once, in order; the hardware prefetcher detects this too late.
-      const Index ahead = begin + 256;
-      const bool is_here = ahead < windows;
-      const std::uintptr_t soon =
-          is_here ? address(values, ahead * window_size)
-                  : address(next.values.data(), (ahead - windows) * window_size);
-      for (Index line = 0; line < 4; ++line) prefetch(soon + 64 * line);
-      prefetch(is_here ? address(columns, ahead) : address(next.columns.data(), ahead - windows));
-      simd::Pack<double, 4> sum{};
-      for (Index window = begin; window < end; ++window) {
-        simd::add_products(values + window * window_size, factors + columns[window], sum);
-      }
-      f(i, (sum[0] + sum[2]) + (sum[1] + sum[3]));
+    const RowSet& rows = sets_[first_row / rows_together];
+    const RowSet& next = last_row < size_ ? sets_[last_row / rows_together] : rows;
+    std::array<double, rows_together> product;
+    if (rows.has_far_columns) {
+      rows.multiply(rows.far, next.far, next, x.data(), product.data());
+    } else {
+      rows.multiply(rows.near, next.near, next, x.data(), product.data());
     }
+    for (Index i = first_row; i < last_row; ++i) f(i, product[i - first_row]);
   }
 
   /// f(column, value) for every nonzero entry of a row.
   template <class F>
   void for_each_entry(Index row, F&& f) const {
     const RowSet& rows = sets_[row / rows_together];
-    const Index k = row % rows_together;
-    for (Index at = rows.first[k] * window_size; at < rows.first[k + 1] * window_size; ++at) {
-      if (rows.values[at] != 0) f(rows.column(at), double(rows.values[at]));
+    const Place place = rows.place[row % rows_together];
+    for (Index window = 0; window < place.windows; ++window) {
+      const Index at = place.first + group * window;
+      for (Index offset = 0; offset < window_size; ++offset) {
+        const float value = rows.values[at * window_size + offset];
+        if (value != 0) f(rows.column(at) + offset, double(value));
+      }
     }
   }
 
   /// Whether a row has a nonzero entry in a marked column; searches from the last column on.
   bool has_entry_in(Index row, std::span<const std::uint8_t> marked) const {
     const RowSet& rows = sets_[row / rows_together];
-    const Index k = row % rows_together;
-    for (Index window = rows.first[k + 1]; window-- > rows.first[k];) {
-      const Index column = rows.columns[window];
-      std::array<std::uint8_t, window_size> marks{};
-      std::copy_n(marked.begin() + static_cast<std::ptrdiff_t>(column),
-                  std::min(window_size, marked.size() - column), marks.begin());
-      for (Index offset = 0; offset < window_size; ++offset) {
-        if (marks[offset] && rows.values[window * window_size + offset] != 0) return true;
+    const Place place = rows.place[row % rows_together];
+    for (Index window = place.windows; window-- > 0;) {
+      const Index at = place.first + group * window;
+      const Index column = rows.column(at);
+      for (Index offset = 0; offset < window_size && column + offset < marked.size(); ++offset) {
+        if (marked[column + offset] && rows.values[at * window_size + offset] != 0) return true;
       }
     }
     return false;
   }
 
  private:
-  // Windows of the rows stored together.
+  // Number of rows whose windows alternate.
+  static constexpr Index group = 4;
+
+  // The windows of a row: the first of its group's, and every fourth after it.
+  struct Place {
+    std::uint32_t first;
+    std::uint32_t windows;
+  };
+  // Those of the rows stored together.
   struct RowSet {
-    Buffer<std::uint32_t> first;    // window of each row
-    Buffer<std::uint32_t> columns;  // of each window
+    Buffer<Place> place;              // by row
+    Buffer<detail::EqualRows> equal;  // from few windows to many
+    Buffer<std::uint8_t> row;         // four for each group; the last row may occur several times
+    Index first_column = 0;           // the lowest one
+    bool has_far_columns = false;
+    Buffer<std::uint16_t> near;  // columns of the windows, minus the first one
+    Buffer<std::uint32_t> far;   // the same, if 16 bits are too few
     Buffer<float> values;
 
-    // Appends a window and returns its values, set to zero.
-    float* open_window(Index window, Index column) {
-      // `values` grows last; it is shorter only if an allocation has failed before.
-      if (window * window_size == values.size()) grow(window);
-      columns[window] = static_cast<std::uint32_t>(column);
-      float* const zeros = &values[window * window_size];
-      std::fill_n(zeros, window_size, 0.0f);
-      return zeros;
+    Index column(Index at) const { return first_column + (has_far_columns ? far[at] : near[at]); }
+
+    template <class Column>
+    void multiply(const Buffer<Column>& columns, const Buffer<Column>& next_columns,
+                  const RowSet& next, const double* x, double* product) const {
+      detail::multiply_windows<Column>()(
+          {equal.data(), equal.size(), row.data(), columns.data(), values.data(), first_column,
+           next_columns.data(), next.values.data()},
+          x, product);
     }
-    [[gnu::noinline]] void grow(Index window) {
-      const Index size = window + window / 8 + window_size * window_size;
-      columns.reserve(size);  // resize() alone would double it
-      columns.resize(size);
-      values.reserve(size * window_size);
-      values.resize(size * window_size);
-    }
-    // Column of the value at this index.
-    Index column(Index at) const { return columns[at / window_size] + at % window_size; }
   };
 
-  // Builds the rows of one set. All of f is inlined, or the window that is being filled would be kept
-  // in memory instead of registers.
+  // The windows of some rows one row after the other, before they are stored.
+  struct Windows {
+    Buffer<std::uint32_t> first;  // window of each row
+    Buffer<std::uint32_t> columns;
+    Buffer<float> values;
+
+    Index capacity() const { return columns.size(); }
+    [[gnu::noinline]] void grow() {
+      const Index size = 2 * capacity() + 1024;
+      values.resize(size * window_size);
+      columns.resize(size);
+    }
+    Index of_row(Index k) const { return first[k + 1] - first[k]; }
+  };
+
+  // Builds the rows of one set. All of f is inlined, or the window that is being filled would be
+  // kept in memory instead of registers. Whether an entry opens a window cannot be predicted, so
+  // nothing branches on it.
   template <class F>
   [[gnu::flatten]] void fill(Index first, Index last, Index last_window, F& f) {
-    RowSet& rows = sets_[first / rows_together];
-    rows.first.clear();
+    static thread_local Windows filled;
+    filled.first.clear();
     Index windows = 0;
+    Index lowest = last_window;
+    Index highest = 0;
     for (Index i = first; i < last; ++i) {
-      rows.first.push_back(static_cast<std::uint32_t>(windows));
-      Index at = 0;             // first column of the window that is being filled
-      float* values = nullptr;  // its values
+      filled.first.push_back(static_cast<std::uint32_t>(windows));
+      constexpr Index none = ~Index(0) / 2;
+      Index at = none;           // first column of the window that is being filled, the last one
+      float values[2] = {0, 0};  // its values
       f(i, [&](Index column, double value) {
-        if (!values || column - at >= window_size) {  // also if column < at
-          at = std::min(column, last_window);
-          values = rows.open_window(windows++, at);
-        }
-        values[column - at] += static_cast<float>(value);
+        const bool opens = column - at >= window_size;  // also if column < at
+        windows += opens ? 1 : 0;
+        if (windows > filled.capacity()) filled.grow();
+        at = opens ? std::min(column, last_window) : at;
+        lowest = std::min(lowest, at);
+        highest = std::max(highest, at);
+        const auto is_second = static_cast<std::uint32_t>(column - at);
+        const auto added = std::bit_cast<std::uint32_t>(static_cast<float>(value));
+        values[0] = only_if(!opens, values[0]) + std::bit_cast<float>(added & (is_second - 1));
+        values[1] = only_if(!opens, values[1]) + std::bit_cast<float>(added & (0 - is_second));
+        filled.columns[windows - 1] = static_cast<std::uint32_t>(at);
+        std::memcpy(&filled.values[(windows - 1) * window_size], values, sizeof(values));
       });
     }
-    rows.first.push_back(static_cast<std::uint32_t>(windows));
+    filled.first.push_back(static_cast<std::uint32_t>(windows));
+    RowSet& set = sets_[first / rows_together];
+    set.first_column = lowest;
+    set.has_far_columns = highest > lowest + std::numeric_limits<std::uint16_t>::max();
+    store_in_groups(filled, set);
   }
 
-  // An integer, because what is prefetched may be beyond the end of the array.
-  template <class T>
-  static std::uintptr_t address(const T* array, Index at) {
-    return reinterpret_cast<std::uintptr_t>(array) + at * sizeof(T);
+  // The value, or 0, without a branch.
+  static float only_if(bool condition, float value) {
+    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) &
+                                (0 - static_cast<std::uint32_t>(condition)));
   }
-  static void prefetch(std::uintptr_t at) { __builtin_prefetch(reinterpret_cast<const void*>(at)); }
+
+  [[gnu::noinline]] static void store_in_groups(const Windows& filled, RowSet& set) {
+    const Index rows = filled.first.size() - 1;
+    sort_by_length(filled, set.row);
+    while (set.row.size() % group != 0) set.row.push_back(set.row.back());
+    set.equal.clear();
+    set.place.resize(rows);
+    Index stored = 0;
+    for (Index first = 0; first < set.row.size(); first += group) {
+      const Index longest = filled.of_row(set.row[first + group - 1]);
+      if (set.equal.empty() || set.equal.back().windows != longest) {
+        set.equal.push_back({0, static_cast<std::uint32_t>(longest)});
+      }
+      ++set.equal.back().groups;
+      for (Index k = 0; k < group; ++k) {
+        const Index row = set.row[first + k];
+        set.place[row] = {static_cast<std::uint32_t>(stored + k),
+                          static_cast<std::uint32_t>(filled.of_row(row))};
+      }
+      stored += group * longest;
+    }
+    resize(set.values, stored * window_size);
+    if (set.has_far_columns) {
+      set.near.clear();
+      store_windows(filled, set, set.far, stored);
+    } else {
+      set.far.clear();
+      store_windows(filled, set, set.near, stored);
+    }
+  }
+
+  template <class Column>
+  static void store_windows(const Windows& filled, RowSet& set, Buffer<Column>& columns,
+                            Index stored) {
+    resize(columns, stored);
+    Column* column = columns.data();
+    float* value = set.values.data();
+    const auto first_column = static_cast<std::uint32_t>(set.first_column);
+    for (Index first = 0; first < set.row.size(); first += group) {
+      const Index longest = filled.of_row(set.row[first + group - 1]);
+      for (Index k = 0; k < group; ++k) {
+        const Index row = set.row[first + k];
+        const Index windows = filled.of_row(row);
+        const std::uint32_t* const from_column = filled.columns.data() + filled.first[row];
+        const float* const from_value = filled.values.data() + filled.first[row] * window_size;
+        for (Index window = 0; window < windows; ++window) {
+          const Index to = group * window + k;
+          column[to] = static_cast<Column>(from_column[window] - first_column);
+          std::memcpy(value + to * window_size, from_value + window * window_size,
+                      window_size * sizeof(float));
+        }
+        for (Index window = windows; window < longest; ++window) {
+          const Index to = group * window + k;
+          column[to] = 0;
+          std::fill_n(value + to * window_size, window_size, 0.0f);
+        }
+      }
+      column += group * longest;
+      value += group * longest * window_size;
+    }
+  }
+
+  // The numbers of the rows, from few windows to many.
+  static void sort_by_length(const Windows& filled, Buffer<std::uint8_t>& row) {
+    constexpr Index lengths = 128;
+    const Index rows = filled.first.size() - 1;
+    row.resize(rows);
+    std::array<std::uint16_t, lengths + 1> first{};
+    for (Index k = 0; k < rows; ++k) {
+      if (filled.of_row(k) >= lengths) {  // where particles are crowded
+        std::iota(row.begin(), row.end(), std::uint8_t(0));
+        std::ranges::stable_sort(row, {}, [&](Index each) { return filled.of_row(each); });
+        return;
+      }
+      ++first[filled.of_row(k) + 1];
+    }
+    std::partial_sum(first.begin(), first.end(), first.begin());
+    for (Index k = 0; k < rows; ++k) row[first[filled.of_row(k)]++] = static_cast<std::uint8_t>(k);
+  }
+
+  // With a margin, so that steps with slightly more windows need no memory of their own.
+  template <class T>
+  static void resize(Buffer<T>& values, Index size) {
+    if (size > values.capacity()) values.reserve(size + size / 8);
+    values.resize(size);
+  }
 
   double narrow_product(Index row, std::span<const double> x) const {
     double sum = 0;

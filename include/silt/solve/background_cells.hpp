@@ -22,16 +22,18 @@ inline constexpr Index many_cells = 1536;
 /// The same if each cell takes tens of nanoseconds.
 inline constexpr Index some_cells = 192;
 
+/// Number of cells that one thread takes at once, at least.
+inline constexpr Index cells_of_task = 64;
 /// f(first, last) for ranges that together are [0, n), in parallel if there are at least
 /// min_parallel cells.
 template <class F>
 void for_each_cell_range(Index n, F&& f, Index min_parallel = many_cells) {
-  constexpr Index task_size = 64;
   if (n < min_parallel) {
     if (n > 0) f(Index(0), n);
   } else {
-    for_each_task((n + task_size - 1) / task_size,
-                  [&](Index task) { f(task * task_size, std::min(n, (task + 1) * task_size)); });
+    for_each_task((n + cells_of_task - 1) / cells_of_task, [&](Index task) {
+      f(task * cells_of_task, std::min(n, (task + 1) * cells_of_task));
+    });
   }
 }
 /// f(c) for c in [0, n), in parallel if there are at least min_parallel cells.

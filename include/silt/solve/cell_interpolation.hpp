@@ -143,13 +143,16 @@ class CellInterpolation {
     });
   }
 
-  /// z = inverse r + P x at the points.
-  void interpolate(std::span<const float> x, const double* inverse, const double* r,
-                   double* z) const {
+  /// z = inverse r + P x at the points; returns r·z.
+  double interpolate(std::span<const float> x, const double* inverse, const double* r, double* z) {
     const auto add_in = detail::add_from_corners<corners>();
-    for_each_cell_range(patches_.size() + 1, [&](Index first, Index last) {
-      add_in(points(), first, last, cells_of_.data(), x.data(), inverse, r, z);
+    const Index n = patches_.size() + 1;
+    products_.assign(n / cells_of_task + 1, 0);
+    for_each_cell_range(n, [&](Index first, Index last) {
+      products_[first / cells_of_task] =
+          add_in(points(), first, last, cells_of_.data(), x.data(), inverse, r, z);
     });
+    return std::accumulate(products_.begin(), products_.end(), 0.0);
   }
 
  private:
@@ -218,6 +221,7 @@ class CellInterpolation {
   Buffer<std::array<bool, corners>> present_;  // by patch
   Buffer<Corners> patches_of_;                 // by cell
   Buffer<std::array<float, corners>> sum_;     // by patch
+  Buffer<double> products_;                    // of interpolate(), by task
 };
 
 }  // namespace silt

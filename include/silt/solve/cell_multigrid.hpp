@@ -69,17 +69,21 @@ class CellMultigrid {
     cycle_.prepare();
   }
 
-  void apply(const std::vector<double>& r, std::vector<double>& z) {
+  void apply(const std::vector<double>& r, std::vector<double>& z) { apply_and_multiply(r, z); }
+  /// As apply(); returns r·z.
+  double apply_and_multiply(const std::vector<double>& r, std::vector<double>& z) {
     Level& finest = cycle_.finest();
     if (uses_cells_) {
       to_particles_.restrict_to(finest.b, r.data());
       cycle_.solve();
     }
     if (uses_cells_ && finest.size() > 0) {
-      to_particles_.interpolate(finest.x, inverse_.data(), r.data(), z.data());
-    } else {
-      for_each(r.size(), [&](Index i) { z[i] = inverse_[i] * r[i]; });
+      return to_particles_.interpolate(finest.x, inverse_.data(), r.data(), z.data());
     }
+    return ordered_sum(r.size(), 0.0, [&](Index i) {
+      z[i] = inverse_[i] * r[i];
+      return r[i] * z[i];
+    });
   }
 
   /// Number of levels in the last solve; 0 if it was done without cells.

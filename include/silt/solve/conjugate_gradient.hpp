@@ -5,11 +5,11 @@
 
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
-#include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/solve/jacobi.hpp>
 #include <silt/solve/solve_settings.hpp>
+#include <silt/solve/vector_sums.hpp>
 
 #include <algorithm>
 #include <array>
@@ -63,9 +63,11 @@ class ConjugateGradient {
       if (!can_start || report.residual <= settings_.tolerance) return report;
 
       system.remove_constants(r_);  // due to round-off; iterations would not reduce them
-      precondition(system);         // z = M⁻¹ r
-      std::copy(z_.begin(), z_.end(), p_.begin());
-      double rho = system.sum_of_all(dot(r_, z_));
+      const double of_start = precondition(system);
+      for_each_chunk(n, [&](Chunk chunk) {
+        std::copy_n(z_.data() + chunk.first, chunk.last - chunk.first, p_.data() + chunk.first);
+      });
+      double rho = system.sum_of_all(of_start);
       double residual = report.residual;
       // After a reduction by 1e-14, the recursive residual is only round-off.
       const double goal = std::max(settings_.tolerance, 1e-14 * residual);
@@ -79,23 +81,21 @@ class ConjugateGradient {
           if (settings_.is_met_by(report.residual)) report.reason = SolveReport::Reason::converged;
           return report;
         }
-        const double of_r = advance(rho / curvature, x);  // x += α p;  r −= α q
+        const double alpha = rho / curvature;
+        const double of_r = reduce_residual(alpha);  // r −= α q
         ++report.iterations;
         double next = 0;  // r·z
         if (system.shared) {
           // Processes wait for each sum: once more than needed is M applied to save half of them.
-          precondition(system);
-          const auto sums = system.sum_of_all(std::array{of_r, dot(r_, z_)});
+          const auto sums = system.sum_of_all(std::array{of_r, precondition(system)});
           residual = std::sqrt(sums[0]) / size_of_b;
           next = sums[1];
-          if (residual <= goal) break;
         } else {
           residual = std::sqrt(of_r) / size_of_b;
-          if (residual <= goal) break;
-          precondition(system);
-          next = dot(r_, z_);
+          if (!(residual <= goal)) next = precondition(system);
         }
-        update_direction(next / rho);  // p = z + β p
+        advance(alpha, x, next / rho);  // x += α p;  p = z + β p
+        if (residual <= goal) break;
         rho = next;
       }
     }
@@ -109,67 +109,53 @@ class ConjugateGradient {
   // r = b − A x, and |r|.
   double find_residual(const LinearSystem& system, std::vector<double>& x) {
     system.refresh(x);
-    const auto subtract = [&](Index i, double product) { r_[i] = system.right_side[i] - product; };
-    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
-      system.multiply(first, last, x, subtract);
+    const double of_r = sum_over_rows(system, [&](Index first, Index last) {
+      system.multiply(first, last, x,
+                      [&](Index i, double product) { r_[i] = system.right_side[i] - product; });
+      return detail::dot_product()(&r_[first], &r_[first], last - first);
     });
-    return std::sqrt(system.sum_of_all(dot(r_, r_)));
+    return std::sqrt(system.sum_of_all(of_r));
   }
 
+  // q = A p, and p·q.
   double multiply(const LinearSystem& system) {
     system.refresh(p_);
-    const auto store = [&](Index i, double product) { q_[i] = product; };
-    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
-      system.multiply(first, last, p_, store);
-    });
-    return system.sum_of_all(dot(q_, p_));
+    return system.sum_of_all(sum_over_rows(system, [&](Index first, Index last) {
+      system.multiply(first, last, p_, [&](Index i, double product) { q_[i] = product; });
+      return detail::dot_product()(&q_[first], &p_[first], last - first);
+    }));
   }
 
-  double advance(double alpha, std::vector<double>& x) {
+  // r −= α q, and r·r.
+  double reduce_residual(double alpha) {
     return sum_over_chunks(r_.size(), [&](Chunk chunk) {
-      add(chunk, x, alpha, p_);
-      add(chunk, r_, -alpha, q_);
-      return dot(chunk, r_, r_);
+      return detail::add_and_square()(&r_[chunk.first], -alpha, &q_[chunk.first],
+                                      chunk.last - chunk.first);
     });
   }
 
-  void precondition(const LinearSystem& system) {
+  // x += α p, then p = z + β p: together, because both read p.
+  void advance(double alpha, std::vector<double>& x, double beta) {
+    for_each_chunk(z_.size(), [&](Chunk chunk) {
+      detail::step_and_turn()(&x[chunk.first], alpha, &p_[chunk.first], &z_[chunk.first], beta,
+                              chunk.last - chunk.first);
+    });
+  }
+
+  // z = M⁻¹ r, and r·z of this process.
+  double precondition(const LinearSystem& system) {
+    if constexpr (requires { preconditioner_.apply_and_multiply(r_, z_); }) {
+      if (system.closed_bodies == 0) return preconditioner_.apply_and_multiply(r_, z_);
+    }
     preconditioner_.apply(r_, z_);
     system.remove_constants(z_);
-  }
-
-  void update_direction(double beta) {
-    for_each(z_.size(),
-             [beta, p = p_.data(), z = z_.data()](Index i) { p[i] = z[i] + beta * p[i]; });
+    return dot(r_, z_);
   }
 
   double dot(const std::vector<double>& a, const std::vector<double>& b) {
-    return sum_over_chunks(a.size(), [&](Chunk chunk) { return dot(chunk, a, b); });
-  }
-
-  // a += scale b
-  static void add(Chunk chunk, std::vector<double>& a, double scale, const std::vector<double>& b) {
-    double* const to = a.data();
-    const double* const from = b.data();
-    for (Index i = chunk.first; i < chunk.last; ++i) to[i] += scale * from[i];
-  }
-
-  // Eight independent partial sums, so that additions can overlap in time. Written in packs,
-  // because g++ would keep an array in memory.
-  static double dot(Chunk chunk, const std::vector<double>& a, const std::vector<double>& b) {
-    constexpr Index sums = 8;
-    constexpr Index lanes = simd::lanes<double>;
-    simd::Pack<double> packs[sums / lanes]{};
-    Index i = chunk.first;
-    for (; i + sums <= chunk.last; i += sums) {
-      for (Index k = 0; k < sums; k += lanes) {
-        packs[k / lanes] += simd::load(&a[i + k]) * simd::load(&b[i + k]);
-      }
-    }
-    std::array<double, sums> sum;
-    for (Index k = 0; k < sums; ++k) sum[k] = packs[k / lanes][k % lanes];
-    for (; i < chunk.last; ++i) sum[0] += a[i] * b[i];
-    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+    return sum_over_chunks(a.size(), [&](Chunk chunk) {
+      return detail::dot_product()(&a[chunk.first], &b[chunk.first], chunk.last - chunk.first);
+    });
   }
 
   // Σ f(chunk), in the order of the chunks.
@@ -177,6 +163,18 @@ class ConjugateGradient {
   double sum_over_chunks(Index n, F&& f) {
     partial_.resize(chunk_count(n));
     for_each_chunk(n, [&](Chunk chunk) { partial_[chunk.number] = f(chunk); });
+    return sum_of_parts();
+  }
+  // Σ f(first, last) over the rows that are stored together, in their order.
+  template <class F>
+  double sum_over_rows(const LinearSystem& system, F&& f) {
+    partial_.resize(row_sets(system.size()));
+    for_each_range<rows_together>(system.size(), [&](Index first, Index last) {
+      partial_[first / rows_together] = f(first, last);
+    });
+    return sum_of_parts();
+  }
+  double sum_of_parts() const {
     double sum = 0;
     for (const double part : partial_) sum += part;
     return sum;
@@ -185,7 +183,7 @@ class ConjugateGradient {
   SolveSettings settings_;
   M preconditioner_{};
   std::vector<double> r_, z_, p_, q_;
-  std::vector<double> partial_;  // sums of the chunks
+  std::vector<double> partial_;  // sums of chunks, or of rows stored together
 };
 
 }  // namespace silt

@@ -12,8 +12,9 @@
 
 namespace silt {
 
-/// prepare(system) is called once per solve, apply(r, z) computes z ≈ A⁻¹ r. One for unknowns that
-/// processes share, see LinearSystem::shared, has `static constexpr bool shares_unknowns = true`. Model:
+/// prepare(system) is called once per solve, apply(r, z) computes z ≈ A⁻¹ r. If there is
+/// apply_and_multiply(r, z), it does the same and returns r·z. One for unknowns that processes
+/// share, see LinearSystem::shared, has `static constexpr bool shares_unknowns = true`. Model:
 /// Jacobi.
 template <class M>
 concept Preconditioner = requires(M m, const LinearSystem& system, const std::vector<double>& r,

@@ -29,11 +29,11 @@ using SumToCorners = void(const PatchPoints<corners>& points, Index first, Index
                           const T* values, std::array<float, corners>* sum);
 
 /// z = inverse r + Σ weight x, over the corners, for each point of the patches in [first, last);
-/// `cells` are those at the corners.
+/// `cells` are those at the corners. Returns Σ r z over these points.
 template <Index corners>
-using AddFromCorners = void(const PatchPoints<corners>& points, Index first, Index last,
-                            const std::array<std::uint32_t, corners>* cells, const float* x,
-                            const double* inverse, const double* r, double* z);
+using AddFromCorners = double(const PatchPoints<corners>& points, Index first, Index last,
+                              const std::array<std::uint32_t, corners>* cells, const float* x,
+                              const double* inverse, const double* r, double* z);
 
 /// The weights of the points in [first, last) of a list of members, by their fractions of the edge
 /// from the lowest corner of their patches, all of whose corners are cells.
@@ -103,10 +103,11 @@ void weights_of_corners(Index first, Index last, const std::uint32_t* member,
 }
 
 template <Index corners>
-void add_from_corners(const PatchPoints<corners>& points, Index first, Index last,
-                      const std::array<std::uint32_t, corners>* cells, const float* x,
-                      const double* inverse, const double* r, double* z) {
+double add_from_corners(const PatchPoints<corners>& points, Index first, Index last,
+                        const std::array<std::uint32_t, corners>* cells, const float* x,
+                        const double* inverse, const double* r, double* z) {
   constexpr Index fours = corners / 4;
+  double product = 0;
   for (Index patch = first; patch < last; ++patch) {
     float at_corners[corners];
     for (Index c = 0; c < corners; ++c) at_corners[c] = x[cells[patch][c]];
@@ -118,8 +119,10 @@ void add_from_corners(const PatchPoints<corners>& points, Index first, Index las
       for (Index f = 1; f < fours; ++f) sum += simd::load<float, 4>(weight + 4 * f) * value[f];
       const Index i = points.member[k];
       z[i] = inverse[i] * r[i] + double((sum[0] + sum[2]) + (sum[1] + sum[3]));
+      product += r[i] * z[i];
     }
   }
+  return product;
 }
 
 }  // namespace silt::detail::SILT_INSTRUCTION_SET
