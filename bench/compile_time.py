@@ -25,7 +25,7 @@ from report import put_into_page
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[1]
 EXAMPLES = ["quickstart_tower", "quickstart_dam"]
-FLAGS = ["-std=c++20", "-O3", "-march=native", "-ffp-contract=off"]
+FLAGS = ["-std=c++20", "-O2", "-ffp-contract=off"]
 RUNS = 3
 
 

@@ -36,7 +36,7 @@ install_for() {
 
 # build_examples NAME...: builds them in parallel.
 build_examples() {
-  configure examples -DCMAKE_BUILD_TYPE=Release -DSILT_NATIVE=ON -DSILT_BUILD_EXAMPLES=ON \
+  configure examples -DCMAKE_BUILD_TYPE=Release -DSILT_BUILD_EXAMPLES=ON \
     "-DSILT_EXAMPLES=$(IFS=';' && echo "$*")"
   build examples "$*"
 }

@@ -118,7 +118,7 @@ NOT_STORED = {
     "IncompleteCholesky": all_of(ANEW, "factors_ diagonal_"),
     "Jacobi": all_of(ANEW, "inverse_"),
     "CellMultigrid": {"settings_": GIVEN,
-                      **all_of(ANEW, "inverse_ occupied_ finest_cells_ to_particles_ stiffness_ cycle_ uses_cells_")},
+                      **all_of(ANEW, "inverse_ occupied_ finest_cells_ to_particles_ stiffness_ stiffness_of_points_ cycle_ uses_cells_")},
     "CellCycle": {"settings_": GIVEN, **all_of(ANEW, "levels_ coarsenings_ used_ coarsest_inverse_")},
     "SharedCellCycle": all_of(ANEW, "world_ agree_ owners_ exchange_ has_users_ level_ matrix_ multigrid_ b_ x_"),
     "CellExchange": all_of(ANEW, "own_ numbers_ first_ all_ to_owners_ to_users_"),
