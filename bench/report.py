@@ -277,6 +277,8 @@ def grain_targets(results):
     yield ("DEM bed 32000, 1 core(s), `CundallStrack`, times LAMMPS", MORE, 1.8, 2.5,
            lammps_ratio(results, "bed", 32000, 1, "cundall_strack"))
     yield ("DEM bed, exponent", LESS, 1.10, 1.04, results.exponent("dem_step/bed"))
+    yield ("DEM, a grain added in each step, times a step without", LESS, 1.5, 1.1,
+           ratio(results.ms("dem_step/rain", 97336), results.ms("dem_step/lattice", 97336)))
     yield ("DEM bed, bytes per particle", LESS, 800, 500, of_memory(results, "dem_bed"))
     for search in ("neighbour_list", "list_over_levels"):
         for size_ratio in (10, 20):
