@@ -105,7 +105,8 @@ inline bool has_processor([[maybe_unused]] InstructionSet set) {
   return false;
 }
 
-inline InstructionSet choose_instruction_set() {
+// Not inlined: the loops that ask would contain it.
+[[gnu::cold, gnu::noinline]] inline InstructionSet choose_instruction_set() {
   constexpr InstructionSet all[] = {InstructionSet::avx512, InstructionSet::avx2,
                                     InstructionSet::sse2, InstructionSet::portable};
   const auto name_of = [](InstructionSet set) { return instruction_set_names[int(set)]; };

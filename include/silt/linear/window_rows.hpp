@@ -23,7 +23,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -143,9 +142,8 @@ class WindowRows {
     Buffer<std::uint32_t> columns;
     Buffer<float> values;
 
-    Index capacity() const { return columns.size(); }
     [[gnu::noinline]] void grow() {
-      const Index size = 2 * capacity() + 1024;
+      const Index size = 2 * columns.size() + 1024;
       values.resize(size * window_size);
       columns.resize(size);
     }
@@ -153,33 +151,36 @@ class WindowRows {
   };
 
   // Builds the rows of one set. All of f is inlined, or the window that is being filled would be
-  // kept in memory instead of registers. Whether an entry opens a window cannot be predicted, so
-  // nothing branches on it.
+  // kept in memory instead of registers.
   template <class F>
   [[gnu::flatten]] void fill(Index first, Index last, Index last_window, F& f) {
-    static thread_local Windows filled;
+    static thread_local Windows of_thread;
+    Windows& filled = of_thread;
     filled.first.clear();
+    std::uint32_t* columns = filled.columns.data();
+    Index capacity = filled.columns.size();
     Index windows = 0;
     Index lowest = last_window;
     Index highest = 0;
     for (Index i = first; i < last; ++i) {
       filled.first.push_back(static_cast<std::uint32_t>(windows));
-      constexpr Index none = ~Index(0) / 2;
-      Index at = none;           // first column of the window that is being filled, the last one
-      float values[2] = {0, 0};  // its values
+      Index at = 0;             // first column of the window that is being filled
+      float* values = nullptr;  // its values
       f(i, [&](Index column, double value) {
-        const bool opens = column - at >= window_size;  // also if column < at
-        windows += opens ? 1 : 0;
-        if (windows > filled.capacity()) filled.grow();
-        at = opens ? std::min(column, last_window) : at;
-        lowest = std::min(lowest, at);
-        highest = std::max(highest, at);
-        const auto is_second = static_cast<std::uint32_t>(column - at);
-        const auto added = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-        values[0] = only_if(!opens, values[0]) + std::bit_cast<float>(added & (is_second - 1));
-        values[1] = only_if(!opens, values[1]) + std::bit_cast<float>(added & (0 - is_second));
-        filled.columns[windows - 1] = static_cast<std::uint32_t>(at);
-        std::memcpy(&filled.values[(windows - 1) * window_size], values, sizeof(values));
+        if (!values || column - at >= window_size) {  // also if column < at
+          at = std::min(column, last_window);
+          lowest = std::min(lowest, at);
+          highest = std::max(highest, at);
+          if (windows == capacity) {
+            filled.grow();
+            columns = filled.columns.data();
+            capacity = filled.columns.size();
+          }
+          columns[windows] = static_cast<std::uint32_t>(at);
+          values = filled.values.data() + windows++ * window_size;
+          values[0] = values[1] = 0;
+        }
+        values[column - at] += static_cast<float>(value);
       });
     }
     filled.first.push_back(static_cast<std::uint32_t>(windows));
@@ -187,12 +188,6 @@ class WindowRows {
     set.first_column = lowest;
     set.has_far_columns = highest > lowest + std::numeric_limits<std::uint16_t>::max();
     store_in_groups(filled, set);
-  }
-
-  // The value, or 0, without a branch.
-  static float only_if(bool condition, float value) {
-    return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) &
-                                (0 - static_cast<std::uint32_t>(condition)));
   }
 
   [[gnu::noinline]] static void store_in_groups(const Windows& filled, RowSet& set) {

@@ -52,11 +52,10 @@ class EigenConjugateGradient {
     Solver solver;
     solver.preconditioner().use(system);
     solver.compute(A);
+    // Below, nothing but round-off is left, and Eigen may divide zero by zero.
+    solver.setTolerance(std::max(settings_.tolerance, 1e-14));
     // Restarted if, because of round-off, the recursive residual differs from the true one.
     for (int round = 0; round < 3 && is_finite(report.residual); ++round) {
-      // After a reduction by 1e-14, the recursive residual is only round-off, and may become 0, by
-      // which Eigen divides.
-      solver.setTolerance(std::max(settings_.tolerance, 1e-14 * report.residual));
       solver.setMaxIterations(settings_.max_iterations - report.iterations);
       solution = solver.solveWithGuess(b, Vector(solution));
       const bool has_converged = solver.info() == Eigen::Success;

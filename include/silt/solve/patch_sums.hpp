@@ -10,6 +10,7 @@
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 
@@ -72,14 +73,19 @@ namespace simd = silt::simd::SILT_INSTRUCTION_SET;
 template <Index corners, class T>
 void sum_to_corners(const PatchPoints<corners>& points, Index first, Index last, const T* values,
                     std::array<float, corners>* sum) {
-  constexpr int N = static_cast<int>(corners);
+  constexpr int N = std::min(static_cast<int>(corners), simd::lanes<float>);
+  constexpr Index packs = corners / N;
   for (Index patch = first; patch < last; ++patch) {
-    simd::Pack<float, N> sums{};
+    simd::Pack<float, N> sums[packs]{};
     for (Index k = points.first[patch]; k < points.first[patch + 1]; ++k) {
       const auto value = static_cast<float>(values[points.member[k]]);
-      sums += simd::load<float, N>(points.weight + k * corners) * value;
+      for (Index p = 0; p < packs; ++p) {
+        sums[p] += simd::load<float, N>(points.weight + k * corners + p * N) * value;
+      }
     }
-    simd::store<float, N>(sum[patch].data(), sums);
+    for (Index p = 0; p < packs; ++p) {
+      simd::store<float, N>(sum[patch].data() + p * N, sums[p]);
+    }
   }
 }
 

@@ -93,7 +93,7 @@ struct NeighbourPack {
     const auto row = neighbourhood[i];
     const Vec<Dim, Real> x_i = neighbourhood.position_of(i);
     for (Index k = first; k < last; k += 4) {
-      NeighbourPack pack;
+      NeighbourPack pack{};
       pack.index = row.index + k;
       pack.get(neighbourhood.positions(), pack.r_ij);
       for (int a = 0; a < Dim; ++a) pack.r_ij[a] -= x_i[a];

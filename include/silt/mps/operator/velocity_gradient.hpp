@@ -62,7 +62,7 @@ template <class U, class Operators>
   // Σ w r_a r_b, of which only a ≤ b is found, and Σ w u_a r_b, of four neighbours at a time.
   Four<Real> moments_of_four[Dim][Dim] = {}, gradient_of_four[Dim][Dim] = {};
   NeighbourPack<Dim, Real>::for_each(operators.neighbourhood(), i, [&](const auto& j) {
-    FourVectors<Dim, Real> u_j;
+    FourVectors<Dim, Real> u_j{};
     j.get(u, u_j);
     for (int b = 0; b < Dim; ++b) {
       const Four<Real> weighted = j.weight * j.r_ij[b];

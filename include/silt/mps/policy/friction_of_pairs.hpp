@@ -69,7 +69,7 @@ template <int Dim, class Real, class View>
     const auto of_others = [&](int place) -> const Four<Real>& {
       return others[place / 4][place % 4];
     };
-    FourVectors<Dim, Real> u_j;
+    FourVectors<Dim, Real> u_j{};
     j.get(u, u_j);
     Four<Real> along{}, linear{};
     for (int a = 0; a < Dim; ++a) {

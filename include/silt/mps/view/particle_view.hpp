@@ -159,7 +159,7 @@ class ParticleView
     Real square = 0;
     this->for_each_four(
         [&](const NeighbourPack<Dim, Real>& j) {
-          FourVectors<Dim, Real> u_j;
+          FourVectors<Dim, Real> u_j{};
           j.get(u, u_j);
           Four<Real> squares{};
           for (int a = 0; a < Dim; ++a) squares += (u_j[a] - own[a]) * (u_j[a] - own[a]);

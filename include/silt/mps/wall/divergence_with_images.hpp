@@ -85,7 +85,7 @@ template <int Dim, class Real, class View, class Walls, class Flow, class U>
   detail::for_each_with_slope<Dim, Real>(
       at, walls,
       [&](const NeighbourPack<Dim, Real>& j, const Four<Real>& slope) {
-        FourVectors<Dim, Real> u_j;
+        FourVectors<Dim, Real> u_j{};
         j.get(u, u_j);
         Four<Real> product{};
         for (int a = 0; a < Dim; ++a) product += (u_j[a] - own[a]) * j.r_ij[a];
