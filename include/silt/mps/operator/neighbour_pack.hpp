@@ -79,10 +79,18 @@ struct NeighbourPack {
     const Four<Real> odd = __builtin_shufflevector(two(1), two(3), 0, 1, 2, 3);
     of_these[0] = __builtin_shufflevector(even, odd, 0, 4, 2, 6);
     of_these[1] = __builtin_shufflevector(even, odd, 1, 5, 3, 7);
+    // With -Og, g++ 12 takes the two halves into which it splits a pack for values that are read.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
     if constexpr (Dim == 3) {
       const auto third = [&](int lane) -> Real { return vectors[index[lane]][2]; };
       of_these[2] = Four<Real>{third(0), third(1), third(2), third(3)};
     }
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic pop
+#endif
   }
 
   /// f(pack) for the neighbours [first, last) of i; `first` is a multiple of four. Inlined, so that
