@@ -3,7 +3,9 @@
 //   bytes         on the heap after some steps, per particle
 //   peak          maximum resident memory of the process meanwhile, per particle
 //   allocations   in another 100 (dem) or 10 (mps) steps
+// held/<what>/<particles>: what of it is held at the peak, by name, per particle.
 #include "../tests/support/allocations.hpp"
+#include "held_memory.hpp"
 #include "program.hpp"
 #include "states.hpp"
 
@@ -58,19 +60,37 @@ void measure(benchmark::State& state, Make&& make, Step&& step, int warm, int fu
   }
 }
 
+constexpr int grain_steps = 500;
+
+template <Scene scene>
+auto grains_in(const State& state) {
+  if constexpr (scene == Scene::gas) {
+    return in_space(state, cundall_strack());
+  } else {
+    return on_floor(state, scene, cundall_strack());
+  }
+}
+
 template <Scene scene>
 void dem(benchmark::State& state) {
   const auto n = static_cast<Index>(state.range(0));
   measure(
-      state,
-      [n] {
-        if constexpr (scene == Scene::gas) {
-          return in_space(state_of(scene, n), cundall_strack());
-        } else {
-          return on_floor(state_of(scene, n), scene, cundall_strack());
-        }
-      },
-      [](auto& simulation) { simulation.step(time_step); }, 500, 100);
+      state, [n] { return grains_in<scene>(state_of(scene, n)); },
+      [](auto& simulation) { simulation.step(time_step); }, grain_steps, 100);
+}
+
+template <Scene scene>
+void held(benchmark::State& state) {
+  const auto n = static_cast<Index>(state.range(0));
+  const State initial = state_of(scene, n);
+  for (auto _ : state) {
+    HeldMemory memory;
+    auto simulation = grains_in<scene>(initial);
+    for (int k = 0; k < grain_steps; ++k) simulation.step(time_step);
+    for (const auto& [name, bytes] : memory.at_peak()) {
+      state.counters[name] = bytes / double(n);
+    }
+  }
 }
 
 // The dam breaks of mps_step.cpp.
@@ -105,6 +125,9 @@ int main(int argc, char** argv) {
   add("memory/dem_bed", dem<Scene::bed>, 32000);
   add("memory/dem_gas", dem<Scene::gas>, 32000);
   add("memory/dem_chute", dem<Scene::chute>, 32000);
+  add("held/bed", held<Scene::bed>, 32000);
+  add("held/gas", held<Scene::gas>, 32000);
+  add("held/chute", held<Scene::chute>, 32000);
   add("memory/mps_2d", mps<2>, 51200);
   add("memory/mps_3d", mps<3>, 102400);
   return bench::run(argc, argv);

@@ -165,6 +165,17 @@ def memory_table(results):
                      rows)
 
 
+def held_table(results):
+    """What grains hold at the peak [bytes per particle], most first."""
+    scenes = of_program(results, "held")
+    held = {scene: next(iter(results.families[scene][1].values())).counters for scene in scenes}
+    names = {name for of in held.values() for name in of} - {"iterations"}
+    first = held[scenes[0]]
+    rows = [[name, *(number(held[scene].get(name)) for scene in scenes)]
+            for name in sorted(names, key=lambda name: -first.get(name, 0))]
+    yield from table(["", *(scene.removeprefix("held/") for scene in scenes)], rows)
+
+
 def lammps_table(content):
     rows = []
 
@@ -373,6 +384,9 @@ def lines_of(results):
     if of_program(results, "memory"):
         yield from ["## Memory", ""]
         yield from memory_table(results)
+    if of_program(results, "held"):
+        yield from ["Of grains, bytes per particle that are held at the peak:", ""]
+        yield from held_table(results)
 
 
 def put_into_page(text, page, program):
