@@ -143,7 +143,7 @@ class CellInterpolation {
     });
   }
 
-  /// z = inverse r + P x at the points; returns r·z.
+  /// z = inverse r + P x at the points; returns r·z [-].
   double interpolate(std::span<const float> x, const double* inverse, const double* r, double* z) {
     const auto add_in = detail::add_from_corners<corners>();
     const Index n = patches_.size() + 1;

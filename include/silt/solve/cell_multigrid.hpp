@@ -70,7 +70,7 @@ class CellMultigrid {
   }
 
   void apply(const std::vector<double>& r, std::vector<double>& z) { apply_and_multiply(r, z); }
-  /// As apply(); returns r·z.
+  /// As apply(); returns r·z [-].
   double apply_and_multiply(const std::vector<double>& r, std::vector<double>& z) {
     Level& finest = cycle_.finest();
     if (uses_cells_) {
