@@ -126,6 +126,20 @@ TEST(AddedGrains, HaveTheContactsAndForcesOfARebuiltListIn2D) { expect_same_as_w
 TEST(AddedGrains, HaveTheContactsAndForcesOfARebuiltListIn3D) { expect_same_as_with_rebuilds<3>(true); }
 TEST(AddedGrains, HaveThemWithoutObservers) { expect_same_as_with_rebuilds<2>(false); }
 
+// The list of grains that fly together is valid only relative to their mean displacement.
+TEST(AddedGrains, TouchGrainsThatHaveFlownFar) {
+  auto grains = dem::make_grains(lattice<2>({{0, 0}, {5 * D, 5 * D}}, 1.01 * D),
+                                 {.radius = D / 2, .density = 2500});
+  for (auto& v : grains[velocity]) v = Vec<2>(1, 0);
+  Simulation simulation{grains, NeighbourList<2>{}, dem::Contacts{law}, Leapfrog{}};
+  for (int step = 0; step < 300; ++step) simulation.step(1e-4);
+  auto& now = simulation.particles();
+  const Vec<2> x = std::as_const(now)[position][now.index_of(0)] - Vec<2>(0.99 * D, 0);
+  dem::add_grain(now, x, {.radius = D / 2, .density = 2500});
+  simulation.step(1e-4);
+  EXPECT_EQ(simulation.interaction().size(), 1u);
+}
+
 TEST(AddedGrains, AreThereAfterAStepThatFailed) {
   auto simulation = bed<2>();
   auto undisturbed = bed<2>();

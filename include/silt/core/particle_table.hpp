@@ -54,10 +54,13 @@ class ParticleTable {
   /// Increases whenever owned particles are added, removed or reordered, or the box changes. Unlike
   /// revision(), it is the same after a failed step as before.
   std::uint64_t owned_revision() const noexcept { return owned_revision_; }
-  /// The same as before if at most particles were added behind the others: the first rows are then
-  /// those of before. Copies have the same until a particle is added to them. Not changed by a
-  /// failed step, either.
+  /// Unchanged while particles are only added, at the end: the first rows are then those of before.
+  /// A copy has the same value until a particle is added to it. Not changed by a failed step.
   std::uint64_t rows_revision() const noexcept { return rows_revision_; }
+  /// Begins a new rows_revision() if this is a copy, whose first added particle would do so.
+  void own_rows() noexcept {
+    if (is_copy_.test_and_clear()) rows_revision_ = next_revision();
+  }
 
   /// Upper bound of the displacement of the owned particles by steps, except that a periodic side
   /// was crossed; begins anew whenever positions may have been changed otherwise, that is, with

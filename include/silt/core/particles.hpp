@@ -24,6 +24,7 @@
 #include <silt/core/types.hpp>
 
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <limits>
 #include <span>
@@ -126,7 +127,12 @@ class Particles : public ParticleTable {
     const Vec at = x;  // x may be one of the positions
     const Index i = ParticleTable::add(columns_.all());
     columns_.view(position, size())[i] = at;
-    ((columns_.view(initial.field, size())[i] = initial.value), ...);
+    try {
+      ((columns_.view(initial.field, size())[i] = initial.value), ...);
+    } catch (...) {
+      ParticleTable::remove(columns_.all(), std::array{i});
+      throw;
+    }
     return i;
   }
 

@@ -53,6 +53,7 @@ class Simulation {
         chooses_radius_(!(search_.radius() > 0)) {
     detail::require_ordered_sums();
     instruction_set();
+    if constexpr (requires { particles_.own_rows(); }) particles_.own_rows();
     const detail::Team team(thread_choice_, particles_.size());
     const Largest before = prepare();
     Processes::together(particles_, [&] {
@@ -76,7 +77,8 @@ class Simulation {
   P& particles() noexcept { return particles_; }
   const P& particles() const noexcept { return particles_; }
   /// In the state of its last update, which may be several steps ago: contacts search only when
-  /// their list must be rebuilt.
+  /// their list must be rebuilt. Particles may have been added since, which removes the ghosts to
+  /// which its indices refer: update a search of your own then.
   const S& search() const noexcept { return search_; }
   /// The interaction, stored as ForParticles<I, P>.
   TypedInteraction& interaction() noexcept { return interaction_; }

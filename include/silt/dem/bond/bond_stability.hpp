@@ -45,7 +45,10 @@ class BondStability {
   template <class P, class B>
   void update(const P& grains, const std::vector<B>& bonds, const BondIndices& indices,
               const ParallelBond& law) {
-    if (constants_revision_ == grains.constants_revision()) return;
+    if (constants_revision_ == grains.constants_revision() &&
+        owned_revision_ == grains.owned_revision()) {
+      return;
+    }
     const std::uint64_t constants = checksum_of_constants(grains);
     if (!is_known_ || constants != constants_) {
       find(grains, bonds, indices, law);
@@ -53,6 +56,7 @@ class BondStability {
       is_known_ = true;
     }
     constants_revision_ = grains.constants_revision();
+    owned_revision_ = grains.owned_revision();
   }
 
   template <class Archive>
@@ -61,7 +65,7 @@ class BondStability {
     archive("least_stable", grain_);
     archive("is_stability_known", is_known_);
     archive("constants", constants_);
-    if constexpr (Archive::reads) constants_revision_ = 0;
+    if constexpr (Archive::reads) constants_revision_ = owned_revision_ = 0;
   }
 
  private:
@@ -112,6 +116,7 @@ class BondStability {
   bool is_known_ = false;
   std::uint64_t constants_ = 0;           // checksum of those with which it was found
   std::uint64_t constants_revision_ = 0;  // of the grains with this checksum
+  std::uint64_t owned_revision_ = 0;
 };
 
 }  // namespace silt::dem::detail

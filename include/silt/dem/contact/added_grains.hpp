@@ -3,9 +3,8 @@
 // it need not be rebuilt for an inflow.
 //
 // A list is valid because no grain or wall has moved by more than half its margin since it was
-// built, see is_stale(): pairs whose gap was larger then do not touch. Another grain counts as one
-// that was there at that time, where it is added; its pairs are those with a gap below the margin
-// at that time.
+// built, see is_stale(): pairs whose gap was larger then do not touch. An added grain is treated as
+// if it had been at its place since then.
 #pragma once
 
 #include <silt/core/box.hpp>

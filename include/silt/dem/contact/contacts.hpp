@@ -47,6 +47,7 @@
 #include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <concepts>
 #include <cstdint>
 #include <memory>
@@ -334,7 +335,6 @@ class ContactsOf : public Contacts<Law, Walls...> {
   bool has_usable_list(const P& grains) const {
     const List& list = *state_.last.list;
     return can_be_extended(grains, materials_, walls_, time_, list) &&
-           (list.contacts.grains() == grains.size() || are_list_and_histories_own()) &&
            !is_stale(grains, walls_, time_, list, state_.last.lifetime);
   }
   // Whether no copy of these contacts refers to them.
@@ -345,10 +345,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
       return shared.use_count() == pool.has(shared.get()) + (... + long(references == shared));
     };
     const Evaluation& last = state_.last;
-    return is_own(last.list, memory->lists, last.list, last.list_before, saved_.last.list,
-                  saved_.last.list_before) &&
-           is_own(last.after, memory->histories, last.after, last.before, saved_.last.after,
-                  saved_.last.before);
+    const bool are_own = is_own(last.list, memory->lists, last.list, last.list_before,
+                                saved_.last.list, saved_.last.list_before) &&
+                         is_own(last.after, memory->histories, last.after, last.before,
+                                saved_.last.after, saved_.last.before);
+    // The last other owner may have read them in another thread.
+    std::atomic_thread_fence(std::memory_order_acquire);
+    return are_own;
   }
 
   ContactsOfStep results_for(const P& grains) const {
@@ -444,11 +447,25 @@ class ContactsOf : public Contacts<Law, Walls...> {
   // Adds the grains that were added since the last step to the list, in place: it has no other
   // owner. A step that fails leaves it as it is then, for the grains as they are.
   void add_to_list(const P& grains, detail::StepTime step) {
+    if (!are_list_and_histories_own()) {
+      const auto list = take_list();
+      const auto histories = memory_->histories.take();
+      *list = *state_.last.list;
+      *histories = *state_.last.after;
+      state_.last.list = state_.last.list_before = list;
+      state_.last.after = histories;
+    }
     List& list = *std::const_pointer_cast<List>(state_.last.list);
     auto& histories = *std::const_pointer_cast<Histories>(state_.last.after);
     step.time = list.time;
     const auto walls = detail::walls_at<P>(walls_, step);
-    if (list.boxes.empty()) detail::extend_boxes(list.boxes, list.since, 0);
+    if constexpr (sizeof...(Walls) > 0) {
+      detail::check_walls_at_sides(grains, walls, list.margin, list.contacts.grains());
+    }
+    if (list.boxes.empty()) {
+      reserve_tightly(list.boxes, detail::block_count(grains.size()));
+      detail::extend_boxes(list.boxes, list.since, 0);
+    }
     const auto found = detail::find_added(grains, walls, list);
     histories.resize(list.contacts.groups_with(found));
     const double stable_before = std::exchange(list.stable_time_step, 0.0);  // until it is known

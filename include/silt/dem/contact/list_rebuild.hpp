@@ -51,6 +51,8 @@ struct ReusableList : ListOrigin<Dim, Real> {
 struct ListLifetime {
   Travel since;
   double distance = 0;  ///< [m]
+  /// The list is valid only because displacements are close to their mean.
+  bool is_of_mean = false;
   std::uint64_t constants_revision = 0;
   Index steps = 0;  ///< after the one that built it
 };
@@ -154,7 +156,13 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
     if (!(moved <= half)) return true;
   }
   const Travel travel = grains.travel();
-  if (travel.is_within(lifetime.distance, lifetime.since)) return false;
+  // An added grain has not moved with the mean: a list that is valid relative to it is not for
+  // them.
+  const bool are_any_added = grains.size() > list.contacts.grains();
+  if (travel.is_within(lifetime.distance, lifetime.since) &&
+      !(are_any_added && lifetime.is_of_mean)) {
+    return false;
+  }
   const auto x = grains.with_halo(position);
   const Index n = list.since.size();
   const auto& box = grains.box();
@@ -173,7 +181,9 @@ bool is_stale(const P& grains, const Walls& walls, double time, const List& list
                                                : (Walls::move ? half : list.margin) - displaced;
   // How far grains may travel until this loop would find the list stale.
   Real safe = half - displaced;
+  lifetime.is_of_mean = safe < 0;
   if (safe < 0 && left_to_walls >= 0) {
+    if (are_any_added) return true;
     const typename P::Vec sum = ordered_sum(n, typename P::Vec(P::Vec::Zero()), displacement);
     const Real left = half - max_relative_to(sum / Real(n));
     if (!(left >= 0)) return true;

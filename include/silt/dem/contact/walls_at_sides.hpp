@@ -40,9 +40,11 @@ Index element_beyond_sides(const Walls& walls, const Box<Dim, Real>& box, const 
   return found;
 }
 
-/// Throws if a grain, moved by up to `margin` [m], may touch a wall only across a periodic side.
+/// Throws if a grain from `first` on, moved by up to `margin` [m], may touch a wall only across a
+/// periodic side.
 template <class P, class Walls>
-void check_walls_at_sides(const P& grains, const Walls& walls, typename P::Real margin) {
+void check_walls_at_sides(const P& grains, const Walls& walls, typename P::Real margin,
+                          Index first = 0) {
   const auto& box = grains.box();
   if (!box.any_periodic()) return;
   const auto x = grains[position];
@@ -50,8 +52,10 @@ void check_walls_at_sides(const P& grains, const Walls& walls, typename P::Real 
   const auto element_near = [&](Index i) {
     return element_beyond_sides(walls, box, typename P::Vec(x[i]), R[i] + margin);
   };
-  const Index i = first_where(grains.size(), [&](Index k) { return element_near(k) != no_index; });
-  if (i == no_index) return;
+  const Index odd = first_where(grains.size() - first,
+                                [&](Index k) { return element_near(first + k) != no_index; });
+  if (odd == no_index) return;
+  const Index i = first + odd;
   fail({"dem::Contacts: wall ", walls.number_of(element_near(i)),
         " breaks off at a periodic side: a grain at x = ", to_text(typename P::Vec(x[i])),
         " m is closer to its image than ", R[i] + margin,
