@@ -26,7 +26,6 @@ namespace silt::dem::detail {
 /// The memory that the loop uses again in every step.
 template <class Loads>
 struct BlockMemory {
-  WorkDivision division;
   Loads loads;
   TouchingGrains touching;
   Buffer<char> is_dense;  ///< by block, from the last step
@@ -47,26 +46,27 @@ class BlockLoop {
   /// Changes of the grains' constants are looked for in the same loop. `after` takes the histories.
   template <class Changes>
   BlockLoop(P& grains, const ContactList& list, const Input& input, Changes& changes,
-            Histories& after, const Pass& pass, Memory& memory)
+            Histories& after, const Pass& pass, WorkDivision& division, Memory& memory)
       : list_(list),
         grains_(grains.size()),
         input_(input),
         find_changes_(changes),
         pass_(pass),
-        memory_(fit(memory, list, grains.size(), after)),
-        results_{list, memory.division, memory.loads, after, memory.touching},
-        sums_(grains, list, memory.division, memory.loads) {}
+        division_(division),
+        memory_(fit(division, memory, list, grains.size(), after)),
+        results_{list, division, memory.loads, after, memory.touching},
+        sums_(grains, list, division, memory.loads) {}
 
   /// Returns how many contacts touch.
   Index add_forces() {
-    const Index threads = memory_.division.threads();
+    const Index threads = division_.threads();
     memory_.counts.assign(threads, 0);
     memory_.touching.clear();
     evaluate_added();
-    memory_.division.deferred().begin_step();
+    division_.deferred().begin_step();
     for_each_task(threads, [this](Index thread) {
       evaluate_blocks(thread);
-      memory_.division.deferred().finish(thread, [this](Index first, Index last) {
+      division_.deferred().finish(thread, [this](Index first, Index last) {
         pass_.before(first, last);
         sums_.add(first, last, nullptr);
         pass_.after(first, last);
@@ -76,10 +76,11 @@ class BlockLoop {
   }
 
  private:
-  static Memory& fit(Memory& memory, const ContactList& list, Index grains, Histories& after) {
+  static Memory& fit(WorkDivision& division, Memory& memory, const ContactList& list, Index grains,
+                     Histories& after) {
     after.resize(list.groups());
-    memory.division.fit(list, static_cast<Index>(threads_for(grains)));
-    memory.loads.resize(memory.division.slots());
+    division.fit(list, static_cast<Index>(threads_for(grains)));
+    memory.loads.resize(division.slots());
     memory.is_dense.resize(list.blocks(), false);
     memory.touching.resize(grains);
     return memory;
@@ -95,9 +96,8 @@ class BlockLoop {
   // Evaluates the contacts of a thread's blocks and sums the forces on their grains, but those that
   // are deferred.
   void evaluate_blocks(Index thread) {
-    const WorkDivision& division = memory_.division;
-    const Index first_block = division.first_block(thread);
-    const Index last_block = division.first_block(thread + 1);
+    const Index first_block = division_.first_block(thread);
+    const Index last_block = division_.first_block(thread + 1);
     const bool are_most_dense =
         2 * dense_blocks(first_block, last_block) > last_block - first_block;
     const TouchingGrains* const touching = are_most_dense ? nullptr : &memory_.touching;
@@ -109,7 +109,7 @@ class BlockLoop {
       memory_.counts[thread] += count;
       const Index end = std::min(grains_, (b + 1) * block_size);
       find_changes_(b, b * block_size, end);
-      division.for_each_ready(b * block_size, end, [&](Index first, Index last) {
+      division_.for_each_ready(b * block_size, end, [&](Index first, Index last) {
         pass_.before(first, last);
         sums_.add(first, last, touching);
         pass_.after(first, last);
@@ -128,6 +128,7 @@ class BlockLoop {
   const Input& input_;
   FunctionRef<void(Index, Index, Index)> find_changes_;
   const Pass& pass_;
+  WorkDivision& division_;
   Memory& memory_;
   Results results_;
   LoadSums<P, Lanes::Row::has_couple> sums_;

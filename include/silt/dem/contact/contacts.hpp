@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The contact interaction of DEM. A step, accelerate(), is made of
 //
-//   begin_step       rebuilds the list of contacts if necessary             list_rebuild.hpp
+//   begin_step       the list of the last step, extended or rebuilt         list_of_step.hpp
 //   loop             evaluates the law once for each contact, then sums     block_loop.hpp
 //                    the forces on each grain in a fixed order
 //   check_stability  throws if the time step is unstable for the contacts   stable_time_step.hpp
@@ -19,11 +19,9 @@
 #include <silt/core/own_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
-#include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
-#include <silt/dem/contact/added_grains.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
 #include <silt/dem/contact/block_loop.hpp>
 #include <silt/dem/contact/contact_settings.hpp>
@@ -33,6 +31,7 @@
 #include <silt/dem/contact/energy_check.hpp>
 #include <silt/dem/contact/evaluation.hpp>
 #include <silt/dem/contact/law_between.hpp>
+#include <silt/dem/contact/list_of_step.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/of_constants.hpp>
 #include <silt/dem/contact/pair_history.hpp>
@@ -41,16 +40,13 @@
 #include <silt/dem/contact/stable_time_step.hpp>
 #include <silt/dem/contact/step_limits.hpp>
 #include <silt/dem/contact/step_time.hpp>
-#include <silt/dem/contact/walls_at_sides.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/dem/wall/wall_set.hpp>
 
 #include <algorithm>
-#include <atomic>
-#include <concepts>
 #include <cstdint>
-#include <memory>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -69,15 +65,12 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using Histories = typename Evaluation::Histories;
   using Input = detail::BlockInput<P, Law, WallSet<Walls...>>;
   using Loop = detail::BlockLoop<P, Input>;
-  using SavedList = detail::SavedList<dimension, Real>;
   using ContactsOfStep = detail::ContactsOfStep<P, Law, WallSet<Walls...>>;
 
  public:
   /// Contacts for grains of type P, from their description; made by a Simulation or by
   /// for_particles().
-  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {
-    state_.last = Evaluation::of_no_step();
-  }
+  ContactsOf(Contacts<Law, Walls...> contacts) : Contacts<Law, Walls...>(std::move(contacts)) {}
 
   /// A copy with other settings and the same histories. Throws if a setting is out of range.
   ContactsOf with(const ContactSettings& settings) const {
@@ -93,9 +86,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
   /// evaluation is for the grains as they are at this call.
   bool needs_search(const P& grains) const {
-    is_rebuild_announced_ = state_.given_history != nullptr || have_constants_changed(grains) ||
-                            !has_usable_list(grains);
-    return *is_rebuild_announced_;
+    return list_.needs_rebuild(grains, setup(), time_);
   }
 
   /// Adds contact forces [N] and torques [N m], in a pass over the grains if one is given, see
@@ -106,14 +97,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
   template <class S>
   void accelerate(P& grains, const S& search, double dt, const Pass& pass = {}) {
     const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
-    Evaluation evaluation = begin_step(
-        grains, search, {.time = time_, .time_step = dt, .last_time_step = since_last});
-    const auto after = memory_->histories.take();
+    Evaluation evaluation = list_.begin_step(
+        grains, search, setup(), [&] { return reach(grains); },
+        {.time = time_, .time_step = dt, .last_time_step = since_last});
+    const auto after = list_.take_histories();
     const auto known = known_histories(evaluation, grains, *after);
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
     detail::UnnoticedChanges changes(std::as_const(grains), *evaluation.list, evaluation.lifetime);
     const Input input(evaluation, known, rows, materials_, walls_, settings_);
-    Loop loop(grains, evaluation.contacts(), input, changes, *after, pass, memory_->loop);
+    Loop loop(grains, evaluation.contacts(), input, changes, *after, pass, list_.division(),
+              memory_->loop);
     evaluation.count = loop.add_forces();
     changes.check(grains);
     evaluation.after = after;
@@ -124,8 +117,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
         check_stability(grains, contacts, dt);
       }
     }
-    state_.last = std::move(evaluation);
-    state_.given_history.reset();
+    list_.finish_step(std::move(evaluation));
   }
 
   /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement, or
@@ -135,7 +127,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
     const double smallest = double(radii_of(grains).smallest);
     detail::check_displacements(grains, smallest, settings_, step);
     if constexpr (WallSet<Walls...>::move) {
-      detail::check_motion_of_walls(walls_, state_.last.list->extent, smallest, settings_, step);
+      detail::check_motion_of_walls(walls_, list_.last().list->extent, smallest, settings_, step);
     }
   }
   /// See ContactSettings::max_energy_gain; infinite if the energy of the contacts is not known [-].
@@ -147,9 +139,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// grain gained more than max_energy_gain().
   void check_energy(const P& grains, const FinishedStep& step) const {
     if constexpr (ContactsOfStep::knows_springs) {
-      if (silt::detail::are_of_one_process<P> && state_.last.count == 0) return;
+      if (silt::detail::are_of_one_process<P> && list_.last().count == 0) return;
       detail::check_energy(
-          grains, state_.last.grains.rows(), settings_, step,
+          grains, list_.last().grains.rows(), settings_, step,
           [this](const P& before, const P& mean) { return results_for(before).energy(mean); });
     }
   }
@@ -201,7 +193,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   /// Adds the work of each grain in units of that of a grain without contacts, see mpi/work.hpp: its
   /// near contacts. Returns false, and adds nothing, if they are not known.
   bool add_work(const P& grains, std::span<double> work) const {
-    const List& list = *state_.last.list;
+    const List& list = *list_.last().list;
     if (list.rows_revision != grains.rows_revision() || list.contacts.grains() != grains.size()) {
       return false;
     }
@@ -211,7 +203,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// Number of contacts in the last step, including those with walls. Of grains that processes share,
   /// those of owned grains: contacts between two processes are counted by both.
-  Index size() const noexcept { return state_.last.count; }
+  Index size() const noexcept { return list_.last().count; }
 
   // Results of the last step, see ContactsOfStep. They are evaluated again, from the grains and
   // histories before that step. The next step uses this memory for its own results, until one of
@@ -258,12 +250,13 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// The history of all contacts of grains of this process, by pairs of ids; for a checkpoint.
   PairHistory<History> history(const P& grains) const {
-    return state_.given_history ? *state_.given_history : results_for(grains).history();
+    const auto* const given = list_.given_history();
+    return given ? *given : results_for(grains).history();
   }
 
   /// Replaces the history; for resuming from a checkpoint.
   void set_history(const P&, const PairHistory<History>& history) {
-    state_.given_history = std::make_shared<const PairHistory<History>>(history);
+    list_.set_history(history);
   }
 
   /// Writes or reads the histories, the list and which walls are present, and compares laws and
@@ -272,7 +265,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   template <class Archive>
   void transfer(Archive& archive, const P& grains) {
     auto own = history(grains);
-    auto list = saved_list(grains);
+    auto list = list_.saved_list(grains, walls_);
     if constexpr (!Archive::reads) {
       // Those given by set_history() may be of grains that were removed since, or of none.
       own.keep_if([&](Id a, Id b) { return detail::may_touch(grains, a, b); });
@@ -286,18 +279,16 @@ class ContactsOf : public Contacts<Law, Walls...> {
       list.check(grains);
       if (!common.wall_elements) own.keep_if([](Id, Id b) { return !is_wall_id(b); });
       set_history(grains, own);
-      if (common.laws_and_walls) restore_list(list, grains);  // else it is rebuilt in the next step
+      if (common.laws_and_walls) {  // else it is rebuilt in the next step
+        list_.restore_list(list, grains, walls_);
+      }
     }
   }
 
   /// restore() undoes all steps since save(), see Simulation::step.
-  void save() noexcept {
-    if (!have_results_been_used_.is_set()) state_.last.forget_input();
-    saved_ = state_;
-  }
+  void save() noexcept { list_.save(); }
   void restore() noexcept {
-    state_ = saved_;
-    is_rebuild_announced_.reset();
+    list_.restore();
     last_time_step_.reset();
   }
 
@@ -306,59 +297,21 @@ class ContactsOf : public Contacts<Law, Walls...> {
   using Contacts<Law, Walls...>::walls_;
   using Contacts<Law, Walls...>::settings_;
 
-  static constexpr bool knows_stiffness =
-      requires(const Law law, const Contact<dimension, Real> c) {
-        { law.stiffness(c) } -> std::convertible_to<Stiffness>;
-      };
+  static constexpr bool knows_stiffness = detail::KnowsStiffness<Law, dimension, Real>;
 
-  // Replaced, not changed, by every step.
-  struct State {
-    Evaluation last;
-    // By set_history(), until the next step.
-    std::shared_ptr<const PairHistory<History>> given_history;
-  };
   // Used again in every step.
   struct Memory {
-    detail::Pool<List> lists;
-    detail::Pool<Histories> histories;
     Buffer<std::uint8_t> touching;
     typename detail::SharedGrains<P>::Pools copies;
     typename Loop::Memory loop;
-    Buffer<detail::ContactList::PairsOfBlock> by_block;
   };
 
-  bool have_constants_changed(const P& grains) const {
-    return detail::have_constants_changed(grains, *state_.last.list,
-                                          state_.last.lifetime.constants_revision);
-  }
-  // Whether the list is valid, perhaps after grains that were added are added to it.
-  bool has_usable_list(const P& grains) const {
-    const List& list = *state_.last.list;
-    return can_be_extended(grains, materials_, walls_, time_, list) &&
-           !is_stale(grains, walls_, time_, list, state_.last.lifetime);
-  }
-  // Whether no copy of these contacts refers to them.
-  bool are_list_and_histories_own() const {
-    const Memory* const memory = memory_.get();
-    if (memory == nullptr) return false;
-    const auto is_own = [](const auto& shared, const auto& pool, const auto&... references) {
-      return shared.use_count() == pool.has(shared.get()) + (... + long(references == shared));
-    };
-    const Evaluation& last = state_.last;
-    const bool are_own = is_own(last.list, memory->lists, last.list, last.list_before,
-                                saved_.last.list, saved_.last.list_before) &&
-                         is_own(last.after, memory->histories, last.after, last.before,
-                                saved_.last.after, saved_.last.before);
-    // The last other owner may have read them in another thread.
-    std::atomic_thread_fence(std::memory_order_acquire);
-    return are_own;
-  }
-
+  detail::ContactSetup<Law, WallSet<Walls...>> setup() const { return {materials_, walls_}; }
   ContactsOfStep results_for(const P& grains) const {
-    return {grains, materials_, walls_, settings_, state_.last};
+    return {grains, materials_, walls_, settings_, list_.last()};
   }
   ContactsOfStep last_step(const P& grains) const {
-    have_results_been_used_.set();
+    list_.keep_input();
     return results_for(grains);
   }
 
@@ -389,104 +342,6 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return shortest_.get(grains, evaluate, hold_for);
   }
 
-  // An evaluation with the list and the histories before it.
-  template <class S>
-  Evaluation begin_step(P& grains, const S& search, const detail::StepTime& step) {
-    // Other parts of Forces may have had access to the masses since needs_search(); a rebuild then
-    // has to wait for the next step, as the search has not been updated.
-    const bool may_rebuild = is_rebuild_announced_.value_or(true);
-    const bool rebuilds = may_rebuild ? needs_search(grains) : !has_usable_list(grains);
-    is_rebuild_announced_.reset();
-    Evaluation evaluation;
-    evaluation.step = step;
-    evaluation.box = grains.box();
-    if (rebuilds) {
-      detail::refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
-      detail::check_grains(grains, materials_);
-      silt::detail::check_digits_of_positions(
-          "dem::Contacts", grains, "radius",
-          [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
-      const auto list = take_list();
-      rebuild(grains, search, step, *list);
-      evaluation.list = list;
-      evaluation.lifetime = {.since = grains.travel(),
-                             .distance = double(list->margin / 2),
-                             .constants_revision = grains.constants_revision()};
-      evaluation.list_before = state_.last.list;
-      evaluation.before = state_.last.after;
-      if (state_.given_history || have_results_been_used_.is_set()) {
-        evaluation.before = histories_on(list->contacts, grains);
-        evaluation.list_before = list;
-      }
-    } else {
-      if (state_.last.contacts().grains() < grains.size()) add_to_list(grains, step);
-      evaluation.list = evaluation.list_before = state_.last.list;
-      evaluation.lifetime = state_.last.lifetime;
-      ++evaluation.lifetime.steps;
-      evaluation.before = state_.last.after;
-    }
-    evaluation.added_blocks = evaluation.contacts().added_blocks();
-    return evaluation;
-  }
-
-  template <class S>
-  void rebuild(const P& grains, const S& search, const detail::StepTime& step, List& list) {
-    begin_list(grains, search, walls_, step, reach(grains), list);
-    const auto walls = detail::walls_at<P>(walls_, step);
-    if constexpr (sizeof...(Walls) > 0) detail::check_walls_at_sides(grains, walls, list.margin);
-    find_contacts(grains, search, walls, list, memory_->by_block);
-    if constexpr (knows_stiffness) {
-      const auto law_of = [&](Index c) -> const Law& {
-        return law_between(list, materials_, walls_, c);
-      };
-      list.stable_time_step = stable_for_all(
-          list.contacts, detail::BoundsOfGrains(grains, list.contacts, walls, list.margin, law_of));
-    }
-  }
-
-  // Adds the grains that were added since the last step to the list, in place: it has no other
-  // owner. A step that fails leaves it as it is then, for the grains as they are.
-  void add_to_list(const P& grains, detail::StepTime step) {
-    if (!are_list_and_histories_own()) {
-      const auto list = take_list();
-      const auto histories = memory_->histories.take();
-      *list = *state_.last.list;
-      *histories = *state_.last.after;
-      state_.last.list = state_.last.list_before = list;
-      state_.last.after = histories;
-    }
-    List& list = *std::const_pointer_cast<List>(state_.last.list);
-    auto& histories = *std::const_pointer_cast<Histories>(state_.last.after);
-    step.time = list.time;
-    const auto walls = detail::walls_at<P>(walls_, step);
-    if constexpr (sizeof...(Walls) > 0) {
-      detail::check_walls_at_sides(grains, walls, list.margin, list.contacts.grains());
-    }
-    if (list.boxes.empty()) {
-      reserve_tightly(list.boxes, detail::block_count(grains.size()));
-      detail::extend_boxes(list.boxes, list.since, 0);
-    }
-    const auto found = detail::find_added(grains, walls, list);
-    histories.resize(list.contacts.groups_with(found));
-    const double stable_before = std::exchange(list.stable_time_step, 0.0);  // until it is known
-    const Index first = list.contacts.size();
-    detail::add_to_list(grains, found, list);
-    if constexpr (knows_stiffness) {
-      const auto law_of = [&](Index c) -> const Law& {
-        return law_between(list, materials_, walls_, c);
-      };
-      const double stable = detail::stable_for_added(
-          list.contacts, first,
-          detail::BoundsOfGrains(grains, list.contacts, walls, list.margin, law_of));
-      list.stable_time_step = std::min(stable_before, stable);
-    }
-  }
-
-  std::shared_ptr<List> take_list() {
-    memory_->loop.division.reset();
-    return memory_->lists.take();
-  }
-
   // The histories before the step. If they are of contacts of the list before, they are moved to
   // `after`, where those after the step replace them.
   typename Evaluation::Known known_histories(const Evaluation& evaluation, const P& grains,
@@ -496,49 +351,11 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return after.known_in_place(memory_->touching);
   }
 
-  // The histories that contacts of a new list had in the last step.
-  std::shared_ptr<const Histories> histories_on(const detail::ContactList& list, const P& grains) {
-    const auto histories = memory_->histories.take();
-    if (state_.given_history) {
-      histories->fill(list, *state_.given_history);
-    } else {
-      histories->fill(
-          list, [&](Id id) { return grains.index_of(id); }, state_.last.contacts(),
-          *state_.last.after);
-    }
-    return histories;
-  }
-
-  // The list of the last step, if it is of the grains as they are.
-  SavedList saved_list(const P& grains) const {
-    const List& last = *state_.last.list;
-    const bool is_of_these =
-        !state_.given_history && last.rows_revision == grains.rows_revision() &&
-        last.contacts.grains() <= grains.size() && last.walls_revision == walls_.revision() &&
-        last.constants.are_those_of(grains);
-    return is_of_these ? SavedList(last) : SavedList();
-  }
-  void restore_list(const SavedList& saved, const P& grains) {
-    if (!saved.fits(walls_.elements())) return;
-    const auto list = take_list();
-    saved.restore(grains, *list, memory_->by_block);
-    list->walls_revision = walls_.revision();
-    Evaluation last;
-    last.list = last.list_before = list;
-    last.before = last.after = histories_on(list->contacts, grains);
-    state_.last = std::move(last);
-    state_.given_history.reset();
-  }
-
   mutable detail::OfConstants<detail::RadiusRange<Real>> radii_;
   mutable detail::OfConstants<detail::ShortestContacts> shortest_;
-  // Then the memory of three steps is in use, where two fit the cache better.
-  mutable silt::detail::Mark have_results_been_used_{false};
-  mutable std::optional<bool> is_rebuild_announced_;  // by needs_search(), for the next evaluation
-  double time_ = 0;                                   // from set_time()
-  std::optional<double> last_time_step_;              // from set_last_time_step()
-  State state_;
-  State saved_;
+  double time_ = 0;                       // from set_time()
+  std::optional<double> last_time_step_;  // from set_last_time_step()
+  detail::ListOfStep<P, Law, WallSet<Walls...>> list_;
   silt::detail::OwnMemory<Memory> memory_;
 };
 

@@ -31,7 +31,7 @@ struct ListOrigin {
   Real margin = 0;                    ///< largest gap of its pairs [m]
   double time = 0;                    ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]
-  double stable_time_step = 0;        ///< stable even if all its pairs touch [s]
+  double stable_time_step = 0;        ///< stable even if all its pairs touch; 0 if not known [s]
   Index added = 0;                    ///< number of grains added to it, see added_grains.hpp
 };
 

@@ -17,11 +17,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <limits>
 #include <span>
 #include <utility>
 
 namespace silt::dem::detail {
+
+/// The law returns the stiffness of a contact: a stable time step can be computed.
+template <class Law, int Dim, class Real>
+concept KnowsStiffness = requires(const Law law, const Contact<Dim, Real> contact) {
+  { law.stiffness(contact) } -> std::convertible_to<Stiffness>;
+};
 
 /// Bounds of the springs and dashpots of a grain, and the time step that is stable with them.
 struct StabilityBounds {
