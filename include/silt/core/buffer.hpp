@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // An array with the most frequent functions of std::vector. A program has arrays of dozens of
 // types, and std::vector compiles about fifty functions for each of them; here, what allocates and
-// moves memory is compiled once, for bytes. The memory begins at a cache line, so that no register
-// is loaded across two.
+// moves memory is compiled once, for bytes.
 #pragma once
 
+#include <silt/core/aligned_memory.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -26,7 +26,6 @@ namespace detail {
 /// Bytes in memory that grows.
 class GrowingBytes {
  public:
-  static constexpr std::align_val_t alignment{64};
   /// Moves values, `size` bytes in all, to other memory; nullptr: their bytes are copied.
   using Move = void (*)(std::byte* to, std::byte* from, std::size_t size) noexcept;
 
@@ -56,13 +55,13 @@ class GrowingBytes {
   /// The place after the last byte, with memory for `count` more.
   std::byte* place_for(std::size_t count, Move move = nullptr) {
     if (count > capacity_ - size_)
-      reserve(size_ + std::max({size_, count, std::size_t(alignment)}), move);
+      reserve(size_ + std::max({size_, count, array_alignment}), move);
     return data_ + size_;
   }
   void set_size(std::size_t size) noexcept { size_ = size; }
   [[gnu::noinline]] void reserve(std::size_t capacity, Move move = nullptr) {
     if (capacity <= capacity_) return;
-    auto* const data = static_cast<std::byte*>(::operator new(capacity, alignment));
+    std::byte* const data = new_array(capacity);
     if (move) {
       move(data, data_, size_);
     } else if (size_ > 0) {
@@ -84,7 +83,7 @@ class GrowingBytes {
     size_ = other.size_;
   }
   [[gnu::noinline]] void release() noexcept {
-    if (data_) ::operator delete(data_, alignment);
+    if (data_) delete_array(data_);
   }
 
   std::byte* data_ = nullptr;
@@ -114,7 +113,7 @@ struct OwningValues {
 /// of them.
 template <class T>
 class Buffer {
-  static_assert(alignof(T) <= std::size_t(detail::GrowingBytes::alignment),
+  static_assert(alignof(T) <= detail::array_alignment,
                 "silt::Buffer: values are aligned to at most 64 bytes");
 
  public:

@@ -4,6 +4,7 @@
 // many fields, and each would compile all of this.
 #pragma once
 
+#include <silt/core/aligned_memory.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 
@@ -12,7 +13,6 @@
 #include <cstddef>
 #include <cstring>
 #include <memory>
-#include <new>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -79,7 +79,6 @@ inline void copy_bytes(std::byte* to, const std::byte* from, Index size) {
 /// Its functions are not inlined, for short programs: they are called for every column.
 class Column {
  public:
-  static constexpr Index alignment = 64;  ///< that of a cache line [bytes]
 
   explicit Column(const RowType& type) noexcept : type_(&type) {}
   [[gnu::noinline]] Column(const Column& other) : type_(other.type_) {
@@ -129,12 +128,7 @@ class Column {
 
   [[gnu::noinline]] void reserve(Index n) {
     if (n <= capacity_) return;
-    const auto release = [](std::byte* first) {
-      ::operator delete(first, std::align_val_t(alignment));
-    };
-    std::shared_ptr<std::byte> memory(
-        static_cast<std::byte*>(::operator new(n * type_->size, std::align_val_t(alignment))),
-        release);
+    std::shared_ptr<std::byte> memory(new_array(n * type_->size), delete_array);
     construct(memory.get(), data(), size_);
     const Index size = size_;
     destroy_from(0);

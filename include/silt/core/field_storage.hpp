@@ -63,7 +63,7 @@ struct StorageList {
 template <int Dim, class Real, Field F>
 class ColumnOf {
   using Value = value_of<F, Dim, Real>;
-  static_assert(alignof(Value) <= Column::alignment,
+  static_assert(alignof(Value) <= array_alignment,
                 "silt::Particles: a field's values are overaligned");
 
  public:
