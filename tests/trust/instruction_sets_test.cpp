@@ -3,6 +3,7 @@
 // by one, and after a step that failed; portability.hashes_* compare two runs only. Compiled
 // without SILT_NO_DISPATCH, unlike the other unit tests.
 #include <silt/core/instruction_set.hpp>
+#include <silt/linear/window_rows.hpp>
 #include <silt/mps.hpp>
 
 #include "support/check.hpp"
@@ -12,9 +13,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <optional>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -163,6 +166,32 @@ TEST(InstructionSets, GiveTheSameBitsOfAFlowIn3D) {
 }
 TEST(InstructionSets, GiveTheSameBitsOfAFlowWithWallParticles) {
   expect_same_bits_of_flow([] { return collapsing<mps::Case10, 2>(0.02); });
+}
+
+// Steps between the columns of a row that fluid rarely has: repeated columns, a window of which the
+// first column comes second, and windows at the last column; in rows of up to 90 entries.
+TEST(InstructionSets, GiveTheSameWindowsOfRows) {
+  constexpr Index columns = 300;
+  expect_same_with_each([] {
+    WindowRows rows;
+    rows.build(2000, columns, [](Index i, auto&& add) {
+      std::mt19937 random(static_cast<unsigned>(i));
+      const Index most_steps = i % 5 == 0 ? 5 : 20;  // few: runs of consecutive columns
+      Index column = random() % columns;
+      for (Index k = random() % 91; k > 0; --k) {
+        add(column, double(random() % 1000) / 64 - 5);
+        const Index step = random() % most_steps;
+        column = std::min(columns - 1, column + (step < 3 ? step : 1));
+        if (step == 4 && i % 2 == 0) column -= std::min<Index>(column, 2);
+      }
+    });
+    std::vector<std::pair<Index, double>> entries;
+    for (Index i = 0; i < rows.size(); ++i) {
+      rows.for_each_entry(i,
+                          [&](Index column, double value) { entries.emplace_back(column, value); });
+    }
+    return entries;
+  });
 }
 
 TEST(InstructionSets, UndoAStepThatFails) {

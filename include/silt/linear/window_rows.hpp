@@ -19,6 +19,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
+#include <silt/linear/row_windows.hpp>
 #include <silt/linear/window_products.hpp>
 
 #include <algorithm>
@@ -49,10 +50,8 @@ class WindowRows {
   void build(Index n, Index columns, F&& f) {
     size_ = n;
     sets_.resize(row_sets(n));
-    const Index last_window =
-        columns > window_size ? columns - window_size : 0;  // none reaches beyond the last column
-    for_each_range<rows_together>(
-        n, [&](Index first, Index last) { fill(first, last, last_window, f); });
+    for_each_range<rows_together>(n,
+                                  [&](Index first, Index last) { fill(first, last, columns, f); });
   }
 
   /// Number of rows.
@@ -118,7 +117,7 @@ class WindowRows {
     Buffer<Place> place;              // by row
     Buffer<detail::EqualRows> equal;  // from few windows to many
     Buffer<std::uint8_t> row;         // four for each group; the last row may occur several times
-    Index first_column = 0;           // the lowest one
+    Index first_column = 0;           // none is lower
     bool has_far_columns = false;
     Buffer<std::uint16_t> near;  // columns of the windows, minus the first one
     Buffer<std::uint32_t> far;   // the same, if 16 bits are too few
@@ -136,62 +135,90 @@ class WindowRows {
     }
   };
 
-  // The windows of some rows one row after the other, before they are stored.
+  // The windows of some rows one row after the other, before they are stored; columns minus
+  // first_column of the set, modulo 2^32.
   struct Windows {
-    Buffer<std::uint32_t> first;  // window of each row
+    static constexpr Index margin = detail::RowEntries::margin;
+
+    std::array<std::uint32_t, rows_together + 1> first;  // window of each row
+    Index rows;
     Buffer<std::uint32_t> columns;
     Buffer<float> values;
+    // Entries of one row, behind a margin.
+    Buffer<std::uint32_t> entry_columns;
+    Buffer<float> entry_values;
 
-    [[gnu::noinline]] void grow() {
-      const Index size = 2 * columns.size() + 1024;
-      values.resize(size * window_size);
-      columns.resize(size);
+    [[gnu::noinline]] void reserve(Index windows) {
+      values.resize(2 * windows * window_size);
+      columns.resize(2 * windows);
+    }
+    [[gnu::noinline]] void grow_entries() {
+      const Index size = 2 * entry_columns.size() + 128;
+      entry_values.resize(size);
+      entry_columns.resize(size);
     }
     Index of_row(Index k) const { return first[k + 1] - first[k]; }
   };
 
-  // Builds the rows of one set. All of f is inlined, or the window that is being filled would be
-  // kept in memory instead of registers.
+  // Builds the rows of one set. All of f is inlined, or there would be a call for every entry.
   template <class F>
-  [[gnu::flatten]] void fill(Index first, Index last, Index last_window, F& f) {
+  [[gnu::flatten]] void fill(Index first, Index last, Index columns, F& f) {
     static thread_local Windows of_thread;
     Windows& filled = of_thread;
-    filled.first.clear();
-    std::uint32_t* columns = filled.columns.data();
-    Index capacity = filled.columns.size();
+    constexpr Index margin = Windows::margin;
+    const auto find_windows = detail::find_row_windows();
+    const Index last_window =
+        columns > window_size ? columns - window_size : 0;  // none reaches beyond the last column
+    const auto first_column = static_cast<std::uint32_t>(first_of_near_columns(first, columns));
+    if (filled.entry_columns.empty()) filled.grow_entries();
     Index windows = 0;
-    Index lowest = last_window;
-    Index highest = 0;
+    std::uint32_t offsets = 0;
     for (Index i = first; i < last; ++i) {
-      filled.first.push_back(static_cast<std::uint32_t>(windows));
-      Index at = 0;             // first column of the window that is being filled
-      float* values = nullptr;  // its values
+      filled.first[i - first] = static_cast<std::uint32_t>(windows);
+      Index end = margin;
+      Index end_of_memory = filled.entry_columns.size() - margin;
+      std::uint32_t* column_of = filled.entry_columns.data();
+      float* value_of = filled.entry_values.data();
       f(i, [&](Index column, double value) {
-        if (!values || column - at >= window_size) {  // also if column < at
-          at = std::min(column, last_window);
-          lowest = std::min(lowest, at);
-          highest = std::max(highest, at);
-          if (windows == capacity) {
-            filled.grow();
-            columns = filled.columns.data();
-            capacity = filled.columns.size();
-          }
-          columns[windows] = static_cast<std::uint32_t>(at);
-          values = filled.values.data() + windows++ * window_size;
-          values[0] = values[1] = 0;
+        column_of[end] = static_cast<std::uint32_t>(column);
+        value_of[end] = static_cast<float>(value);
+        if (++end == end_of_memory) [[unlikely]] {
+          filled.grow_entries();
+          end_of_memory = filled.entry_columns.size() - margin;
+          column_of = filled.entry_columns.data();
+          value_of = filled.entry_values.data();
         }
-        values[column - at] += static_cast<float>(value);
       });
+      const Index count = end - margin;
+      const Index most_windows = windows + count + margin;
+      if (most_windows > filled.columns.size()) filled.reserve(most_windows);
+      windows += find_windows({.column = column_of + margin,
+                               .value = value_of + margin,
+                               .count = count,
+                               .last_window = last_window,
+                               .first_column = first_column},
+                              {.column = filled.columns.data() + windows,
+                               .value = filled.values.data() + windows * window_size},
+                              offsets);
     }
-    filled.first.push_back(static_cast<std::uint32_t>(windows));
+    filled.rows = last - first;
+    filled.first[filled.rows] = static_cast<std::uint32_t>(windows);
     RowSet& set = sets_[first / rows_together];
-    set.first_column = lowest;
-    set.has_far_columns = highest > lowest + std::numeric_limits<std::uint16_t>::max();
+    set.has_far_columns = offsets >= near_columns;
+    set.first_column = first_column;
     store_in_groups(filled, set);
   }
 
+  // Number of columns that 16 bits distinguish.
+  static constexpr Index near_columns = Index(std::numeric_limits<std::uint16_t>::max()) + 1;
+  // From here on, they are about as many in front of a row as behind it.
+  static Index first_of_near_columns(Index row, Index columns) {
+    const Index in_front = row > near_columns / 2 ? row - near_columns / 2 : 0;
+    return std::min(in_front, columns > near_columns ? columns - near_columns : 0);
+  }
+
   [[gnu::noinline]] static void store_in_groups(const Windows& filled, RowSet& set) {
-    const Index rows = filled.first.size() - 1;
+    const Index rows = filled.rows;
     sort_by_length(filled, set.row);
     while (set.row.size() % group != 0) set.row.push_back(set.row.back());
     set.equal.clear();
@@ -213,48 +240,53 @@ class WindowRows {
     resize(set.values, stored * window_size);
     if (set.has_far_columns) {
       set.near.clear();
-      store_windows(filled, set, set.far, stored);
+      const auto first_column = static_cast<std::uint32_t>(set.first_column);
+      set.first_column = 0;
+      store_windows(filled, set, set.far, stored, first_column);
     } else {
       set.far.clear();
-      store_windows(filled, set, set.near, stored);
+      store_windows(filled, set, set.near, stored, 0);
     }
   }
 
   template <class Column>
   static void store_windows(const Windows& filled, RowSet& set, Buffer<Column>& columns,
-                            Index stored) {
+                            Index stored, std::uint32_t first_column) {
     resize(columns, stored);
     Column* column = columns.data();
     float* value = set.values.data();
-    const auto first_column = static_cast<std::uint32_t>(set.first_column);
-    for (Index first = 0; first < set.row.size(); first += group) {
-      const Index longest = filled.of_row(set.row[first + group - 1]);
+    const auto store = [&](Index window) {
+      *column++ = static_cast<Column>(filled.columns[window] + first_column);
+      std::memcpy(value, filled.values.data() + window * window_size, window_size * sizeof(float));
+      value += window_size;
+    };
+    for (const std::uint8_t* row = set.row.begin(); row != set.row.end(); row += group) {
+      std::array<Index, group> window;
+      std::array<Index, group> end;
       for (Index k = 0; k < group; ++k) {
-        const Index row = set.row[first + k];
-        const Index windows = filled.of_row(row);
-        const std::uint32_t* const from_column = filled.columns.data() + filled.first[row];
-        const float* const from_value = filled.values.data() + filled.first[row] * window_size;
-        for (Index window = 0; window < windows; ++window) {
-          const Index to = group * window + k;
-          column[to] = static_cast<Column>(from_column[window] - first_column);
-          std::memcpy(value + to * window_size, from_value + window * window_size,
-                      window_size * sizeof(float));
-        }
-        for (Index window = windows; window < longest; ++window) {
-          const Index to = group * window + k;
-          column[to] = 0;
-          std::fill_n(value + to * window_size, window_size, 0.0f);
+        window[k] = filled.first[row[k]];
+        end[k] = filled.first[Index(row[k]) + 1];
+      }
+      while (window[0] != end[0]) {  // the shortest row
+        for (Index& of_row : window) store(of_row++);
+      }
+      while (window[group - 1] != end[group - 1]) {
+        for (Index k = 0; k < group; ++k) {
+          if (window[k] != end[k]) {
+            store(window[k]++);
+          } else {
+            *column++ = 0;
+            value = std::fill_n(value, window_size, 0.0f);
+          }
         }
       }
-      column += group * longest;
-      value += group * longest * window_size;
     }
   }
 
   // The numbers of the rows, from few windows to many.
   static void sort_by_length(const Windows& filled, Buffer<std::uint8_t>& row) {
     constexpr Index lengths = 128;
-    const Index rows = filled.first.size() - 1;
+    const Index rows = filled.rows;
     row.resize(rows);
     std::array<std::uint16_t, lengths + 1> first{};
     for (Index k = 0; k < rows; ++k) {

@@ -58,21 +58,24 @@ class PressureEquation {
     last_column_.resize(unknowns_.size());
     const auto x = particles[position];
     const double scale = double(stencil.lambda) * double(stencil.n0) / (2 * T::dimension);
-    const auto fill_row = [&](Index row, auto&& add) {
+    const float least_weight = negligible_weight(stencil);
+    const Index unknowns = unknowns_.size();
+    const std::uint32_t* const row_of = row_of_.data();
+    const auto fill_row = [&, least_weight, unknowns, row_of](Index row, auto&& add) {
       const Index i = unknowns_[row];
       double to_surface = boundary.weight_of_surface(i);
       double diagonal = to_surface;
       std::uint32_t last_column = static_cast<std::uint32_t>(row);
       for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
-        const std::uint32_t column = row_of_[j];
-        if (column == excluded || !is_significant(weight, stencil)) return;
+        const std::uint32_t column = row_of[j];
+        if (column == excluded || !(static_cast<float>(weight) > least_weight)) return;
         const double w = double(static_cast<float>(weight));  // as stored in the system
         diagonal += w;
         if (column == zero) {
           to_surface += w;
         } else {
           add(column, -w);
-          if (column < unknowns_.size()) last_column = std::max(last_column, column);
+          if (column < unknowns) last_column = std::max(last_column, column);
         }
       });
       system_.diagonal[row] = diagonal;
@@ -124,7 +127,11 @@ class PressureEquation {
   // with a surface by such weights only would have a nearly singular system.
   template <class Real, class T>
   static bool is_significant(Real weight, const T& stencil) {
-    return static_cast<float>(weight) > 0x1p-26f * static_cast<float>(stencil.n0);
+    return static_cast<float>(weight) > negligible_weight(stencil);
+  }
+  template <class T>
+  static float negligible_weight(const T& stencil) {
+    return 0x1p-26f * static_cast<float>(stencil.n0);
   }
 
   template <class P>
