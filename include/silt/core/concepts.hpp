@@ -13,6 +13,7 @@
 #include <silt/core/function_ref.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
+#include <silt/core/shared_array.hpp>
 #include <silt/core/types.hpp>
 
 #include <concepts>
@@ -80,6 +81,19 @@ Real margin_of(const S& search) {
     return search.margin();
   } else {
     return 0;
+  }
+}
+
+/// Positions of the last update [m], with those of the halo and perhaps of ghosts, for others to
+/// keep in the same memory; none if the search keeps none.
+template <class Vec, class S>
+SharedArray<Vec> last_positions_of(const S& search) {
+  if constexpr (requires {
+                  { search.last_positions() } -> std::convertible_to<SharedArray<Vec>>;
+                }) {
+    return search.last_positions();
+  } else {
+    return {};
   }
 }
 

@@ -25,6 +25,7 @@ class OwnMemory {
     return memory_.get();
   }
   /// nullptr if nothing was kept.
+  T* get() noexcept { return memory_.get(); }
   const T* get() const noexcept { return memory_.get(); }
 
  private:

@@ -12,6 +12,7 @@
 #include <silt/core/lane.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_array.hpp>
 #include <silt/core/types.hpp>
 
 #include <algorithm>
@@ -47,6 +48,8 @@ class LastPositions {
   const Vec& operator[](Index i) const { return positions_[i]; }
   /// The positions of the first n particles [m].
   std::span<const Vec> first(Index n) const { return {positions_.data(), n}; }
+  /// All of them, to be kept by others.
+  const SharedArray<Vec>& shared() const { return positions_; }
 
   /// Whether the positions are those of these particles, in the same order.
   template <class P>
@@ -57,7 +60,7 @@ class LastPositions {
   /// Maximum displacement [m] of the particles, owned and of the halo, from these positions, where
   /// crossing a periodic side does not count; infinity if a position is NaN.
   template <class P>
-  Real max_displacement_from(const Buffer<Vec>& reference, const P& particles) {
+  Real max_displacement_from(const SharedArray<Vec>& reference, const P& particles) {
     const auto x = lanes_of(particles.with_halo(position));
     const auto* const from = lanes_of(reference.data());
     const NearestImage<Dim, Real> image(particles.box());
@@ -70,11 +73,12 @@ class LastPositions {
   /// if that was with other particles.
   template <class P>
   std::optional<Real> update_local(const P& particles) {
-    const std::span<const Vec> before = keep_previous();
+    const bool is_first = !has_previous_;
+    keep_previous();
     if (!belong_to(particles)) return std::nullopt;
     const auto x = lanes_of(particles.with_halo(position));
-    const auto* const last = lanes_of(before.data());
-    auto* const current = lanes_of(positions_.data());
+    auto* const current = lanes_of(positions_.resize(positions_.size()));
+    const auto* const last = lanes_of((is_first ? previous_ : positions_).data());
     const NearestImage<Dim, Real> image(particles.box());
     return max_root(particles.local(), [=](Index i) {
       const auto squared_move = squared_distance(x[i], last[i], image);
@@ -87,14 +91,13 @@ class LastPositions {
   void update_ghosts(const P& particles) {
     const auto x = particles.with_ghosts(position);
     const auto rows = static_cast<std::ptrdiff_t>(particles.local());
-    resize_tightly(positions_, x.size());
-    std::copy(x.begin() + rows, x.end(), positions_.begin() + rows);
+    std::copy(x.begin() + rows, x.end(), positions_.resize(x.size()) + rows);
   }
   /// Ends an update with other particles: copies all positions.
   template <class P>
   void update_all(const P& particles) {
     const auto x = particles.with_ghosts(position);
-    positions_.assign(x.begin(), x.end());
+    positions_.assign(x);
     set_owner(particles);
   }
 
@@ -128,13 +131,12 @@ class LastPositions {
     update_ = {.revision = particles.owned_revision(), .local = particles.local()};
   }
 
-  // Keeps and returns the positions of the last update before the step, for rolling back.
-  std::span<const Vec> keep_previous() {
-    if (has_previous_) return positions_;
-    resize_tightly(previous_, positions_.size());  // may throw: before anything is changed
+  // Keeps the positions of the last update before the step, for rolling back.
+  void keep_previous() {
+    if (has_previous_) return;
+    previous_.renew(positions_.size());  // may throw: before anything is changed
     positions_.swap(previous_);
     has_previous_ = true;
-    return previous_;
   }
 
   // √ of the maximum of squared(i); infinity if one is NaN.
@@ -149,8 +151,8 @@ class LastPositions {
     return maximum >= 0 ? std::sqrt(maximum) : std::numeric_limits<Real>::infinity();
   }
 
-  Buffer<Vec> positions_;  // with ghosts
-  Buffer<Vec> previous_;   // of the last update before the step
+  SharedArray<Vec> positions_;  // with ghosts
+  SharedArray<Vec> previous_;   // of the last update before the step
   bool has_previous_ = true;
   Update update_;
   Update saved_;

@@ -13,6 +13,7 @@
 #include <silt/core/function_ref.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/processes.hpp>
+#include <silt/core/shared_array.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/search/ghosts.hpp>
@@ -109,7 +110,6 @@ class NeighbourList {
     } else {
       if (is_valid) tune_skin();
       build(particles);
-      positions_.update_all(particles);
     }
     for (const Pairs pairs : {Pairs::twice, Pairs::once}) build_rows(pairs);
   }
@@ -185,6 +185,7 @@ class NeighbourList {
     saved_requested_ = requested_;
     positions_.save();
     keeps_previous_ = false;
+    previous_reference_ = {};  // its memory may be that of positions
   }
   /// If the step has rebuilt the list, the next update first builds it as it was; until then, pairs
   /// cannot be found.
@@ -214,7 +215,7 @@ class NeighbourList {
     bool is_of_these = state_.list.radius > 0 && is_built_from(particles);
     bool has_last = positions_.belong_to(particles);
     Buffer<Vec> reference, last;
-    if (!Archive::reads && is_of_these) reference = reference_;
+    if (!Archive::reads && is_of_these) reference.assign(reference_.begin(), reference_.end());
     if (!Archive::reads && has_last) {
       const auto first = positions_.first(particles.local());
       last.assign(first.begin(), first.end());
@@ -241,10 +242,18 @@ class NeighbourList {
       require_not_negative("NeighbourList: radius", double(state_.list.radius));
       require_not_negative("NeighbourList: skin", double(state_.list.wanted_skin));
       state_.list.built = built && is_of_these;
-      if (is_of_these) repeat_build(particles, reference);
+      if (is_of_these) {
+        SharedArray<Vec> positions;
+        positions.assign(reference);
+        repeat_build(particles, positions);
+      }
       if (has_last) repeat_update(particles, last);
     }
   }
+
+  /// The positions at the last update, with those of the halo and of ghosts [m], to be kept by
+  /// others.
+  const SharedArray<Vec>& last_positions() const noexcept { return positions_.shared(); }
 
   /// Number of times the list was built.
   std::uint64_t rebuilds() const noexcept { return state_.rebuilds; }
@@ -328,8 +337,8 @@ class NeighbourList {
     check_periodic_sides(particles.box(),
                          {.radius = state_.list.radius, .skin = state_.list.wanted_skin});
     update_grid(particles);
-    const auto x = particles.with_halo(position);
-    reference_.assign(x.begin(), x.end());
+    positions_.update_all(particles);
+    reference_ = positions_.shared().first(particles.local());
     set_revisions(particles);
     state_.list.built = true;
     is_lost_ = false;
@@ -363,12 +372,12 @@ class NeighbourList {
   [[gnu::cold]] void repeat_all(P& particles) {
     const auto first = positions_.first(particles.local());
     const Buffer<Vec> last(first.begin(), first.end());
-    repeat_build(particles, Buffer<Vec>(reference_));
+    repeat_build(particles, SharedArray<Vec>(reference_));
     repeat_update(particles, last);
   }
   // Builds the list again from the positions at which it was built.
   template <class P>
-  [[gnu::cold]] void repeat_build(P& particles, const Buffer<Vec>& reference) {
+  [[gnu::cold]] void repeat_build(P& particles, const SharedArray<Vec>& reference) {
     is_lost_ = true;
     at_positions(particles, reference, [&] { update_grid(particles); });
     reference_ = reference;
@@ -407,8 +416,8 @@ class NeighbourList {
   State saved_;
   ListGrid<Inner> grid_;
   std::array<NeighbourRows, 2> rows_;
-  Buffer<Vec> reference_;                    // positions when the list was built, with the halo
-  Buffer<Vec> previous_reference_;           // those before the first rebuild in a step
+  SharedArray<Vec> reference_;               // positions when the list was built, with the halo
+  SharedArray<Vec> previous_reference_;      // those before the first rebuild in a step
   bool keeps_previous_ = false;              // the step has rebuilt the list
   bool is_lost_ = false;                     // grid and rows are not those of the list
   mutable std::array<bool, 2> requested_{};  // rows of each kind

@@ -118,7 +118,7 @@ template <class P, class List>
 void add_to_list(const P& grains, const ContactList::PairsOfBlock& found, List& list) {
   const Index known = list.contacts.grains();
   const auto x = grains[position];
-  reserve_tightly(list.since, grains.size());
+  list.since.reserve_own(grains.size());
   reserve_tightly(list.boxes, block_count(grains.size()));
   list.constants.make_room(grains);
   const auto extent = extent_with_added(grains, list);

@@ -40,6 +40,13 @@ class Pool {
     return std::any_of(all_.begin(), all_.end(),
                        [object](const auto& each) { return each.get() == object; });
   }
+  /// f(object) for those without another owner.
+  template <class F>
+  void for_each_unused(F&& f) const {
+    for (const auto& each : all_) {
+      if (each.use_count() == 1) f(*each);
+    }
+  }
   /// Frees those without another owner.
   void free_unused() {
     for (Index k = all_.size(); k-- > 0;) {

@@ -17,7 +17,7 @@ template <class List, class Law, class Walls>
 const Law& law_between(const List& list, const Materials<Law>& materials, const Walls& walls,
                        Index c) {
   const ContactList& contacts = list.contacts;
-  const Buffer<std::uint32_t>& of_grains = list.constants.materials;
+  const auto& of_grains = list.constants.materials;
   const Index second = contacts.second(c);
   return materials.between(
       of_grains[contacts.first(c)],

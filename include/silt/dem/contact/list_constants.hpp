@@ -3,14 +3,16 @@
 // contacts was built. Steps do not change them; if the user does, the list has to be rebuilt.
 #pragma once
 
-#include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_array.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/setup/grains.hpp>
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <ranges>
 #include <utility>
 
 namespace silt::dem::detail {
@@ -18,23 +20,23 @@ namespace silt::dem::detail {
 /// Copies of the constants of all grains, those of the halo included.
 template <class Real>
 struct ListConstants {
-  Buffer<Real> radii;               ///< [m]
-  Buffer<Real> masses;              ///< [kg]
-  Buffer<Real> inertias;            ///< [kg m²]
-  Buffer<std::uint32_t> materials;  ///< indices in dem::Materials
+  SharedArray<Real> radii;               ///< [m]
+  SharedArray<Real> masses;              ///< [kg]
+  SharedArray<Real> inertias;            ///< [kg m²]
+  SharedArray<std::uint32_t> materials;  ///< indices in dem::Materials
 
-  /// Those of the first n grains.
+  /// Those of the first n grains, in the memory of `before` where they are the same.
   template <class P>
-  void keep(const P& grains, Index n) {
+  void keep(const P& grains, Index n, const ListConstants& before = {}) {
+    *this = before;
     for_each_column(grains, [n](auto& values, const auto& now) {
-      values.assign(now.begin(), now.begin() + std::ptrdiff_t(n));
+      values.assign(std::ranges::subrange(now.begin(), now.begin() + std::ptrdiff_t(n)), values);
     });
   }
   /// Reserves memory for those that were added since, so that add() does not throw.
   template <class P>
   void make_room(const P& grains) {
-    for_each_column(grains,
-                    [](auto& values, const auto& now) { reserve_tightly(values, now.size()); });
+    for_each_column(grains, [](auto& values, const auto& now) { values.reserve_own(now.size()); });
   }
   /// Adds those of grains that were added since.
   template <class P>

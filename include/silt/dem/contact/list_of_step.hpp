@@ -112,6 +112,9 @@ class ListOfStep {
   void save() noexcept {
     if (!is_input_kept_.is_set()) state_.last.forget_input();
     saved_ = state_;
+    if (Memory* const memory = memory_.get()) {
+      memory->lists.for_each_unused([](List& list) { list.release(); });
+    }
   }
   void restore() noexcept {
     state_ = saved_;
@@ -191,7 +194,7 @@ class ListOfStep {
   template <class S>
   void rebuild(const P& grains, const S& search, const Setup& setup, Real reach,
                const StepTime& step, List& list) {
-    begin_list(grains, search, setup.walls, step, reach, list);
+    begin_list(grains, search, setup.walls, step, reach, *state_.last.list, list);
     const auto walls = walls_at<P>(setup.walls, step);
     if constexpr (decltype(walls)::count > 0) check_walls_at_sides(grains, walls, list.margin);
     find_contacts(grains, search, walls, list, memory_->by_block);

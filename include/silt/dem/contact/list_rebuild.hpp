@@ -8,6 +8,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/nearest_image.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/shared_array.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
@@ -27,7 +28,8 @@ namespace silt::dem::detail {
 /// When and with which margin a list was built; kept in checkpoints.
 template <int Dim, class Real>
 struct ListOrigin {
-  Buffer<Vec<Dim, Real>> since;  ///< positions of the grains, with the halo, when it was built [m]
+  /// Positions of the grains, with the halo, when it was built [m].
+  SharedArray<Vec<Dim, Real>> since;
   Real margin = 0;                    ///< largest gap of its pairs [m]
   double time = 0;                    ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]
@@ -44,6 +46,12 @@ struct ReusableList : ListOrigin<Dim, Real> {
   ListConstants<Real> constants;     ///< of the grains when it was built
   Real largest_radius = 0;           ///< of them [m]
   Buffer<Box<Dim, Real>> boxes;      ///< around `since` by block, see added_grains.hpp
+
+  /// Gives up what others may share, when nobody uses the list.
+  void release() noexcept {
+    this->since = {};
+    constants = {};
+  }
 };
 
 /// How far grains may travel before it is uncertain, without a loop over them, that a list is
@@ -216,10 +224,10 @@ auto extent_of(const P& grains) {
 }
 
 /// Records the positions of a rebuild in this step and chooses the margin; `reach` [m] is the
-/// interaction range of contacts.
+/// interaction range of contacts, `last` the list before, whose memory is shared where possible.
 template <class P, class S, class Walls, class List>
 void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
-                typename P::Real reach, List& list) {
+                typename P::Real reach, const List& last, List& list) {
   using Real = typename P::Real;
   if (grains.box().any_periodic()) walls.check_in(grains.box(), reach / 2);
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
@@ -250,8 +258,8 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.extent.lower.array() -= list.margin;
   list.extent.upper.array() += list.margin;
   const auto x = grains.with_halo(position);
-  list.since.assign(x.begin(), x.end());
-  list.constants.keep(grains, x.size());
+  list.since.assign(x, last_positions_of<typename P::Vec>(search).first(x.size()));
+  list.constants.keep(grains, x.size(), last.constants);
 }
 
 /// Adds the elements of walls with a gap to a grain below the margin [m]; `walls` is a WallsAtTime.

@@ -64,7 +64,10 @@ class SavedList {
     archive("is_known", is_known_);
     archive("first", first_);
     archive("second", second_);
-    archive("since", origin_.since);
+    Buffer<Vec<Dim, Real>> since;
+    if constexpr (!Archive::reads) since.assign(origin_.since.begin(), origin_.since.end());
+    archive("since", since);
+    if constexpr (Archive::reads) origin_.since.assign(since);
     archive("margin", origin_.margin);
     archive("time", origin_.time);
     archive("extent_lower", origin_.extent.lower);
