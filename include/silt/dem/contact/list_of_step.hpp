@@ -194,7 +194,7 @@ class ListOfStep {
   template <class S>
   void rebuild(const P& grains, const S& search, const Setup& setup, Real reach,
                const StepTime& step, List& list) {
-    begin_list(grains, search, setup.walls, step, reach, *state_.last.list, list);
+    begin_list(grains, search, setup.walls, step, reach, state_.last, list);
     const auto walls = walls_at<P>(setup.walls, step);
     if constexpr (decltype(walls)::count > 0) check_walls_at_sides(grains, walls, list.margin);
     find_contacts(grains, search, walls, list, memory_->by_block);

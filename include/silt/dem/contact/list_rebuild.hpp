@@ -224,10 +224,10 @@ auto extent_of(const P& grains) {
 }
 
 /// Records the positions of a rebuild in this step and chooses the margin; `reach` [m] is the
-/// interaction range of contacts, `last` the list before, whose memory is shared where possible.
-template <class P, class S, class Walls, class List>
+/// interaction range of contacts, `last` the Evaluation before, with whose list memory is shared.
+template <class P, class S, class Walls, class Last, class List>
 void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
-                typename P::Real reach, const List& last, List& list) {
+                typename P::Real reach, const Last& last, List& list) {
   using Real = typename P::Real;
   if (grains.box().any_periodic()) walls.check_in(grains.box(), reach / 2);
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
@@ -259,7 +259,17 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.extent.upper.array() += list.margin;
   const auto x = grains.with_halo(position);
   list.since.assign(x, last_positions_of<typename P::Vec>(search).first(x.size()));
-  list.constants.keep(grains, x.size(), last.constants);
+  const List& before = *last.list;
+  // All were compared, see refuse_unnoticed_changes().
+  const bool are_known = before.rows_revision == grains.rows_revision() &&
+                         before.constants.radii.size() == grains.size() &&
+                         grains.local() == grains.size() &&
+                         last.lifetime.constants_revision == grains.constants_revision();
+  if (are_known) {
+    list.constants = before.constants;
+  } else {
+    list.constants.keep(grains, x.size(), before.constants);
+  }
 }
 
 /// Adds the elements of walls with a gap to a grain below the margin [m]; `walls` is a WallsAtTime.
