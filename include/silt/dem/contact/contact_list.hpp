@@ -163,8 +163,7 @@ class ContactList {
   Index begin(Index i) const noexcept { return begin_[i]; }
   Index end(Index i) const noexcept { return end_[i]; }
 
-  /// The pairs found at the grains of a block, before they are put into one list. The memory is
-  /// reused.
+  /// The pairs found at the grains of a block, before they are put into one list.
   struct PairsOfBlock {
     Index block = 0;
     Buffer<Pair> pairs;
@@ -182,21 +181,19 @@ class ContactList {
   /// Builds the list for grains with these ids, of which the first `owned` are owned: find(first,
   /// last, pairs) adds the pairs found at the grains [first, last), those of a block.
   void build(std::span<const Id> ids, Index owned,
-             FunctionRef<void(Index first, Index last, PairsOfBlock&)> find,
-             Buffer<PairsOfBlock>& by_block) {
+             FunctionRef<void(Index first, Index last, PairsOfBlock&)> find) {
     ids_.assign(ids.begin(), ids.end());
     owned_ = owned;
-    by_block.resize(block_count(owned_));
-    for_each_block([&](Index b, Index first, Index last) {
-      PairsOfBlock& own = by_block[b];
-      own.block = b;
-      own.pairs.clear();
-      own.walls.clear();
-      own.of_other_blocks.clear();
-      find(first, last, own);
-    });
     added_.clear();
-    concatenate(by_block);
+    {
+      // Not kept for the next list: the steps in between would have this memory for nothing.
+      Buffer<PairsOfBlock> by_block(block_count(owned_));
+      for_each_block([&](Index b, Index first, Index last) {
+        by_block[b].block = b;
+        find(first, last, by_block[b]);
+      });
+      concatenate(by_block);
+    }
     list_sides();
   }
 

@@ -134,7 +134,7 @@ class ListOfStep {
   void restore_list(const SavedList& saved, const P& grains, const Walls& walls) {
     if (!saved.fits(walls.elements())) return;
     const auto list = take_list();
-    saved.restore(grains, *list, memory_->by_block);
+    saved.restore(grains, *list);
     list->walls_revision = walls.revision();
     Evaluation last;
     last.list = last.list_before = list;
@@ -154,7 +154,6 @@ class ListOfStep {
   struct Memory {
     Pool<List> lists;
     Pool<Histories> histories;
-    Buffer<ContactList::PairsOfBlock> by_block;
     WorkDivision division;
   };
 
@@ -197,7 +196,7 @@ class ListOfStep {
     begin_list(grains, search, setup.walls, step, reach, state_.last, list);
     const auto walls = walls_at<P>(setup.walls, step);
     if constexpr (decltype(walls)::count > 0) check_walls_at_sides(grains, walls, list.margin);
-    find_contacts(grains, search, walls, list, memory_->by_block);
+    find_contacts(grains, search, walls, list);
     list.stable_time_step = stable_time_step_of(
         grains, setup, walls, list,
         [&](const auto& bounds_of) { return stable_for_all(list.contacts, bounds_of); });

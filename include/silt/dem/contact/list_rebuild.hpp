@@ -297,8 +297,7 @@ void add_walls_near(const P& grains, const Walls& walls, typename P::Real margin
 /// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
 /// WallsAtTime.
 template <class P, class S, class Walls, class List>
-void find_contacts(const P& grains, const S& search, const Walls& walls, List& list,
-                   Buffer<ContactList::PairsOfBlock>& by_block) {
+void find_contacts(const P& grains, const S& search, const Walls& walls, List& list) {
   using Real = typename P::Real;
   const auto x = grains.with_halo(position);
   const auto R = grains.with_halo(radius);
@@ -315,15 +314,14 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
       pairs.add_pair(in_order ? i : j, in_order ? j : i);
     });
   };
-  list.contacts.build(
-      grains.ids_with_halo(), grains.size(),
-      [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
-        for (Index i = first; i < last; ++i) {
-          add_pairs(i, pairs);
-          if (Walls::count > 0) add_walls_near(grains, walls, list.margin, i, pairs);
-        }
-      },
-      by_block);
+  list.contacts.build(grains.ids_with_halo(), grains.size(),
+                      [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
+                        for (Index i = first; i < last; ++i) {
+                          add_pairs(i, pairs);
+                          if (Walls::count > 0)
+                            add_walls_near(grains, walls, list.margin, i, pairs);
+                        }
+                      });
 }
 
 }  // namespace silt::dem::detail

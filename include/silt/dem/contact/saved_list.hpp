@@ -108,24 +108,22 @@ class SavedList {
 
   /// Requires check() and fits().
   template <class P>
-  void restore(const P& grains, List& list, Buffer<ContactList::PairsOfBlock>& by_block) const {
+  void restore(const P& grains, List& list) const {
     const Index n = origin_.since.size();  // others may have been added after the last step
     std::vector<Buffer<Index>> of_grain(n);
     for (Index k = 0; k < first_.size(); ++k) of_grain[grains.index_of(first_[k])].push_back(k);
-    list.contacts.build(
-        grains.ids().first(n), n,
-        [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
-          for (Index i = first; i < last; ++i) {
-            for (const Index k : of_grain[i]) {
-              if (is_wall_id(second_[k])) {
-                pairs.add_wall(i, element_of(second_[k]));
-              } else {
-                pairs.add_pair(i, grains.index_of(second_[k]));
-              }
-            }
-          }
-        },
-        by_block);
+    list.contacts.build(grains.ids().first(n), n,
+                        [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
+                          for (Index i = first; i < last; ++i) {
+                            for (const Index k : of_grain[i]) {
+                              if (is_wall_id(second_[k])) {
+                                pairs.add_wall(i, element_of(second_[k]));
+                              } else {
+                                pairs.add_pair(i, grains.index_of(second_[k]));
+                              }
+                            }
+                          }
+                        });
     static_cast<ListOrigin<Dim, Real>&>(list) = origin_;
     list.rows_revision = grains.rows_revision();
     list.constants.keep(grains, n);
