@@ -21,6 +21,12 @@ class SharedArray {
   static_assert(std::is_trivially_destructible_v<T>);
 
  public:
+  SharedArray() = default;
+  // Also instead of moves, after which the values would be those of another.
+  SharedArray(const SharedArray&) = default;
+  SharedArray& operator=(const SharedArray&) = default;
+  ~SharedArray() = default;
+
   Index size() const noexcept { return size_; }
   bool empty() const noexcept { return size_ == 0; }
   const T* data() const noexcept { return data_; }
