@@ -25,7 +25,7 @@ class MirrorsAround : public NearbyFaces<Dim> {
   double visible_share(const Vec& point) const {
     if (this->empty()) return 1;
     if (this->is_plane()) return is_before_plane(point);
-    return SharesOfLines<Dim>(*this).of(point, {});
+    return share_among_faces(point);
   }
 
   /// f(mirror, share_of) for each mirror that may show one of the points as closer to x than the reach;
@@ -50,6 +50,11 @@ class MirrorsAround : public NearbyFaces<Dim> {
   }
 
  private:
+  // Not inlined: few points are near edges, and callers inline the rest once for each instruction
+  // set.
+  [[gnu::noinline]] double share_among_faces(const Vec& point) const {
+    return SharesOfLines<Dim>(*this).of(point, {});
+  }
   bool is_before_plane(const Vec& point) const {
     const auto& plane = (*this)[this->faces()[0]];
     return (plane.height(this->x()) > 0) == (plane.height(point) > 0);
