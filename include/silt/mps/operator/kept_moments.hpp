@@ -37,13 +37,17 @@ class KeptMoments {
                                                         const T& stencil, Real phi_i,
                                                         Neighbours&& for_each) const {
     if constexpr (std::is_same_v<G, CorrectedGradient>) {
-      if (i < is_known_.size()) {
-        if (is_known_[i]) return gradient.evaluate_with(moments_[i], stencil, phi_i, for_each);
-        is_known_[i] = 1;
-        return gradient.evaluate(stencil, phi_i, for_each, moments_[i]);
+      const bool is_kept = i < is_known_.size();
+      if (is_kept && is_known_[i]) {
+        return gradient.evaluate_with(moments_[i], stencil, phi_i, for_each);
       }
+      // One call for both, as all of it is inlined.
+      Moments not_kept;
+      if (is_kept) is_known_[i] = 1;
+      return gradient.evaluate(stencil, phi_i, for_each, is_kept ? moments_[i] : not_kept);
+    } else {
+      return gradient.evaluate(stencil, phi_i, for_each);
     }
-    return gradient.evaluate(stencil, phi_i, for_each);
   }
 
  private:
