@@ -138,6 +138,11 @@ class WeightedRows {
   // Reserves memory for a row of this length and its padding.
   void reserve(Index length) {
     // The arrays compared are the last to grow: they all have, unless an allocation has failed.
+    if (length + padding > exact_.size() || used_ + length + padding > weight_over_square_.size()) {
+      grow(length);
+    }
+  }
+  [[gnu::noinline]] void grow(Index length) {
     if (length + padding > exact_.size()) {
       square_.resize(2 * length + padding);
       share_.resize(2 * length + padding);
@@ -145,13 +150,13 @@ class WeightedRows {
     }
     const Index min_size = used_ + length + padding;
     if (min_size <= weight_over_square_.size()) return;
-    const auto grow = [size = min_size * 9 / 8](auto& values) {
+    const auto resize = [size = min_size * 9 / 8](auto& values) {
       values.reserve(size);  // resize() alone would double the capacity
       values.resize(size);
     };
-    grow(index_);
-    grow(weight_);
-    grow(weight_over_square_);
+    resize(index_);
+    resize(weight_);
+    resize(weight_over_square_);
   }
 
   Buffer<std::uint32_t> index_;
