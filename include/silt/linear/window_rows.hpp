@@ -290,15 +290,20 @@ class WindowRows {
     row.resize(rows);
     std::array<std::uint16_t, lengths + 1> first{};
     for (Index k = 0; k < rows; ++k) {
-      if (filled.of_row(k) >= lengths) {  // where particles are crowded
-        std::iota(row.begin(), row.end(), std::uint8_t(0));
-        std::ranges::stable_sort(row, {}, [&](Index each) { return filled.of_row(each); });
-        return;
-      }
+      if (filled.of_row(k) >= lengths) return insert_by_length(filled, row);
       ++first[filled.of_row(k) + 1];
     }
     std::partial_sum(first.begin(), first.end(), first.begin());
     for (Index k = 0; k < rows; ++k) row[first[filled.of_row(k)]++] = static_cast<std::uint8_t>(k);
+  }
+
+  // The same where particles are crowded. std::stable_sort takes longer to compile than it saves.
+  static void insert_by_length(const Windows& filled, Buffer<std::uint8_t>& row) {
+    for (Index k = 0; k < row.size(); ++k) {
+      Index at = k;
+      for (; at > 0 && filled.of_row(row[at - 1]) > filled.of_row(k); --at) row[at] = row[at - 1];
+      row[at] = static_cast<std::uint8_t>(k);
+    }
   }
 
   // With a margin, so that steps with slightly more windows need no memory of their own.
