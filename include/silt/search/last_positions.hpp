@@ -64,8 +64,18 @@ class LastPositions {
     const auto x = lanes_of(particles.with_halo(position));
     const auto* const from = lanes_of(reference.data());
     const NearestImage<Dim, Real> image(particles.box());
-    return max_root(particles.local(),
-                    [=](Index i) { return squared_distance(x[i], from[i], image); });
+    const auto squared = [=](Index i) {
+      std::remove_cvref_t<decltype(from[i])> r = x[i] - from[i];
+      for (int k = 0; k < Dim; ++k) image.apply(k, r[k]);
+      return r.squaredNorm();
+    };
+    maxima_.resize(chunk_count(particles.local()));
+    for_each_chunk(particles.local(), [&](Chunk chunk) {
+      maxima_[chunk.number] = detail::largest_bits_of<Real, Bits>(squared, chunk);
+    });
+    if (maxima_.empty()) return 0;
+    const auto maximum = std::bit_cast<Real>(*std::max_element(maxima_.begin(), maxima_.end()));
+    return maximum >= 0 ? std::sqrt(maximum) : std::numeric_limits<Real>::infinity();
   }
 
   /// Begins an update: copies the positions of the particles, owned and of the halo, and returns
@@ -76,15 +86,11 @@ class LastPositions {
     const bool is_first = !has_previous_;
     keep_previous();
     if (!belong_to(particles)) return std::nullopt;
-    const auto x = lanes_of(particles.with_halo(position));
-    auto* const current = lanes_of(positions_.resize(positions_.size()));
-    const auto* const last = lanes_of((is_first ? previous_ : positions_).data());
-    const NearestImage<Dim, Real> image(particles.box());
-    return max_root(particles.local(), [=](Index i) {
-      const auto squared_move = squared_distance(x[i], last[i], image);
-      current[i] = x[i];
-      return squared_move;
-    });
+    const Real moved = max_displacement_from(is_first ? previous_ : positions_, particles);
+    Vec* const current = positions_.resize(positions_.size());
+    const auto x = particles.with_halo(position);
+    for_each(particles.local(), [=](Index i) { current[i] = x[i]; });
+    return moved;
   }
   /// Ends an update with the same particles: copies the positions of their ghosts.
   template <class P>
@@ -118,14 +124,6 @@ class LastPositions {
     Index local = 0;             // number of these and of the halo
   };
 
-  template <class LaneVec>
-  static auto squared_distance(const LaneVec& a, const LaneVec& b,
-                               const NearestImage<Dim, Real>& image) {
-    LaneVec r = a - b;
-    for (int k = 0; k < Dim; ++k) image.apply(k, r[k]);
-    return r.squaredNorm();
-  }
-
   template <class P>
   void set_owner(const P& particles) {
     update_ = {.revision = particles.owned_revision(), .local = particles.local()};
@@ -137,18 +135,6 @@ class LastPositions {
     previous_.renew(positions_.size());  // may throw: before anything is changed
     positions_.swap(previous_);
     has_previous_ = true;
-  }
-
-  // √ of the maximum of squared(i); infinity if one is NaN.
-  template <class Squared>
-  Real max_root(Index n, const Squared& squared) {
-    maxima_.resize(chunk_count(n));
-    for_each_chunk(n, [&](Chunk chunk) {
-      maxima_[chunk.number] = detail::largest_bits_of<Real, Bits>(squared, chunk);
-    });
-    if (maxima_.empty()) return 0;
-    const auto maximum = std::bit_cast<Real>(*std::max_element(maxima_.begin(), maxima_.end()));
-    return maximum >= 0 ? std::sqrt(maximum) : std::numeric_limits<Real>::infinity();
   }
 
   SharedArray<Vec> positions_;  // with ghosts
