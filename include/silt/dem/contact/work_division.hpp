@@ -52,8 +52,8 @@ class WorkDivision {
     for_each(list.grains(), [&](Index i) { find_rows(list, list.begin(i), list.end(i)); });
     list_ = &list;
   }
-  /// Forgets the list, and frees its memory for the rebuild.
-  void reset() { *this = {}; }
+  /// Forgets the list.
+  void reset() { list_ = nullptr; }
 
   Index threads() const noexcept { return first_block_.empty() ? 0 : first_block_.size() - 1; }
   /// The first block of a thread.
