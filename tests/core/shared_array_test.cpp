@@ -15,7 +15,7 @@ std::vector<double> values_of(const SharedArray<double>& array) {
 }
 SharedArray<double> array_of(const std::vector<double>& values) {
   SharedArray<double> array;
-  array.assign(values);
+  array.assign(values.begin(), values.end());
   return array;
 }
 
@@ -49,10 +49,11 @@ TEST(SharedArray, UsesItsMemoryAgainWithoutOtherOwners) {
 TEST(SharedArray, TakesTheMemoryOfAnotherOnlyIfTheBitsAreTheSame) {
   const auto other = array_of({0.0, 2});
   SharedArray<double> array;
-  array.assign(std::vector<double>{0.0, 2}, other);
+  const std::vector<double> zero{0.0, 2};
+  array.assign(zero.begin(), zero.end(), other);
   EXPECT_EQ(array.data(), other.data());
   for (const auto& values : {std::vector<double>{-0.0, 2}, {0.0}, {0.0, 2, 3}}) {
-    array.assign(values, other);
+    array.assign(values.begin(), values.end(), other);
     EXPECT_NE(array.data(), other.data());
     EXPECT_EQ(values_of(array), values);
   }

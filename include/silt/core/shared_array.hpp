@@ -53,17 +53,17 @@ class SharedArray {
     }
     return use(n);
   }
-  /// Replaces them by those of a range, in the memory of `other` if it has the same.
-  template <class Range>
-  void assign(const Range& values, const SharedArray& other = {}) {
-    const auto n = static_cast<Index>(values.end() - values.begin());
+  /// Replaces them by those of [first, last), in the memory of `other` if it has the same.
+  template <class Iterator>
+  void assign(Iterator first, Iterator last, const SharedArray& other = {}) {
+    const auto n = static_cast<Index>(last - first);
     const auto is_same = [](const T& a, const T& b) {
       return std::memcmp(static_cast<const void*>(&a), &b, sizeof(T)) == 0;
     };
-    if (other.size() == n && std::equal(values.begin(), values.end(), other.begin(), is_same)) {
+    if (other.size() == n && std::equal(first, last, other.begin(), is_same)) {
       *this = SharedArray(other);
     } else {
-      std::copy(values.begin(), values.end(), renew(n));
+      std::copy(first, last, renew(n));
     }
   }
   /// Memory of their own for n values: push_back() does not throw until there are so many. If it
@@ -80,6 +80,7 @@ class SharedArray {
     }
     use(size_);
   }
+  /// Adds a value.
   void push_back(const T& value) {
     const T copy = value;  // may be one of these
     reserve_own(size_);
@@ -92,6 +93,7 @@ class SharedArray {
     memory_->resize(n);
     return use(n);
   }
+  /// Exchanges all values.
   void swap(SharedArray& other) noexcept {
     memory_.swap(other.memory_);
     std::swap(data_, other.data_);

@@ -103,7 +103,7 @@ class LastPositions {
   template <class P>
   void update_all(const P& particles) {
     const auto x = particles.with_ghosts(position);
-    positions_.assign(x);
+    positions_.assign(x.begin(), x.end());
     set_owner(particles);
   }
 

@@ -244,7 +244,7 @@ class NeighbourList {
       state_.list.built = built && is_of_these;
       if (is_of_these) {
         SharedArray<Vec> positions;
-        positions.assign(reference);
+        positions.assign(reference.begin(), reference.end());
         repeat_build(particles, positions);
       }
       if (has_last) repeat_update(particles, last);

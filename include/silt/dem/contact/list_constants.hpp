@@ -12,7 +12,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <ranges>
 #include <utility>
 
 namespace silt::dem::detail {
@@ -30,7 +29,7 @@ struct ListConstants {
   void keep(const P& grains, Index n, const ListConstants& before = {}) {
     *this = before;
     for_each_column(grains, [n](auto& values, const auto& now) {
-      values.assign(std::ranges::subrange(now.begin(), now.begin() + std::ptrdiff_t(n)), values);
+      values.assign(now.begin(), now.begin() + std::ptrdiff_t(n), values);
     });
   }
   /// Reserves memory for those that were added since, so that add() does not throw.

@@ -258,7 +258,7 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   list.extent.lower.array() -= list.margin;
   list.extent.upper.array() += list.margin;
   const auto x = grains.with_halo(position);
-  list.since.assign(x, last_positions_of<typename P::Vec>(search).first(x.size()));
+  list.since.assign(x.begin(), x.end(), last_positions_of<typename P::Vec>(search).first(x.size()));
   const List& before = *last.list;
   // All were compared, see refuse_unnoticed_changes().
   const bool are_known = before.rows_revision == grains.rows_revision() &&

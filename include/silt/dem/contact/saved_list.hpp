@@ -67,7 +67,7 @@ class SavedList {
     Buffer<Vec<Dim, Real>> since;
     if constexpr (!Archive::reads) since.assign(origin_.since.begin(), origin_.since.end());
     archive("since", since);
-    if constexpr (Archive::reads) origin_.since.assign(since);
+    if constexpr (Archive::reads) origin_.since.assign(since.begin(), since.end());
     archive("margin", origin_.margin);
     archive("time", origin_.time);
     archive("extent_lower", origin_.extent.lower);
