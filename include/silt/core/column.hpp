@@ -79,7 +79,6 @@ inline void copy_bytes(std::byte* to, const std::byte* from, Index size) {
 /// Its functions are not inlined, for short programs: they are called for every column.
 class Column {
  public:
-
   explicit Column(const RowType& type) noexcept : type_(&type) {}
   [[gnu::noinline]] Column(const Column& other) : type_(other.type_) {
     reserve(other.size_);

@@ -22,7 +22,7 @@ class SharedArray {
 
  public:
   SharedArray() = default;
-  // Also instead of moves, after which the values would be those of another.
+  // No moves: an array moved from would keep the size of memory that it no longer owns.
   SharedArray(const SharedArray&) = default;
   SharedArray& operator=(const SharedArray&) = default;
   ~SharedArray() = default;
@@ -61,7 +61,7 @@ class SharedArray {
       return std::memcmp(static_cast<const void*>(&a), &b, sizeof(T)) == 0;
     };
     if (other.size() == n && std::equal(first, last, other.begin(), is_same)) {
-      *this = SharedArray(other);
+      *this = other;
     } else {
       std::copy(first, last, renew(n));
     }
@@ -87,7 +87,7 @@ class SharedArray {
     memory_->push_back(copy);
     use(size_ + 1);
   }
-  /// The same n values or the first of them, and further ones, to be written.
+  /// Changes their number to n; those that are added are to be written.
   T* resize(Index n) {
     reserve_own(n);
     memory_->resize(n);

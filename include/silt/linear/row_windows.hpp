@@ -126,7 +126,7 @@ inline Index find_row_windows(const RowEntries& entries, const RowWindows& to,
     const auto valid = static_cast<__mmask16>((1u << std::min(lanes, entries.count - k)) - 1);
     const auto begins = static_cast<__mmask16>(valid & ~(is_second >> k));
     // The bit of the entry after the last lane is that of lane 0 of the next register.
-    const auto has_second = static_cast<__mmask16>(k + 1 < most ? is_second >> (k + 1) : 0);
+    const auto has_second = static_cast<__mmask16>(is_second >> (k + 1));
     const __m512i offset = _mm512_sub_epi32(_mm512_loadu_si512(entries.column + k), first_column);
     offsets |= std::uint32_t{_mm512_mask_cmpgt_epu32_mask(begins, offset, near)} << 16;
     const __m512i value = _mm512_loadu_si512(entries.value + k);

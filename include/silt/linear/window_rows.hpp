@@ -45,7 +45,8 @@ class WindowRows {
   void build(Index n, F&& f) {
     build(n, n, f);
   }
-  /// The same with another number of columns.
+  /// The same with another number of columns. Columns within 2^15 of the number of their row take half
+  /// the memory for it.
   template <class F>
   void build(Index n, Index columns, F&& f) {
     size_ = n;
@@ -275,7 +276,10 @@ class WindowRows {
           if (window[k] != end[k]) {
             store(window[k]++);
           } else {
-            *column++ = 0;
+            // A column of the row: one that is not finite elsewhere must not reach it.
+            const bool is_empty = end[k] == filled.first[row[k]];
+            *column++ = is_empty ? Column(0)
+                                 : static_cast<Column>(filled.columns[end[k] - 1] + first_column);
             value = std::fill_n(value, window_size, 0.0f);
           }
         }

@@ -17,9 +17,7 @@
 #include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/own_memory.hpp>
-#include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
-#include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/watch.hpp>
 #include <silt/dem/contact/block_evaluator.hpp>
@@ -30,7 +28,6 @@
 #include <silt/dem/contact/described_contacts.hpp>
 #include <silt/dem/contact/energy_check.hpp>
 #include <silt/dem/contact/evaluation.hpp>
-#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/list_of_step.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/of_constants.hpp>
@@ -85,9 +82,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
   /// evaluation is for the grains as they are at this call.
-  bool needs_search(const P& grains) const {
-    return list_.needs_rebuild(grains, setup(), time_);
-  }
+  bool needs_search(const P& grains) const { return list_.needs_rebuild(grains, setup(), time_); }
 
   /// Adds contact forces [N] and torques [N m], in a pass over the grains if one is given, see
   /// AcceleratesInPass in core/concepts.hpp. Throws if two centres coincide to round-off, if a
@@ -97,9 +92,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   template <class S>
   void accelerate(P& grains, const S& search, double dt, const Pass& pass = {}) {
     const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
-    Evaluation evaluation = list_.begin_step(
-        grains, search, setup(), [&] { return reach(grains); },
-        {.time = time_, .time_step = dt, .last_time_step = since_last});
+    Evaluation evaluation =
+        list_.begin_step(grains, search, setup(), [&] { return reach(grains); },
+                         {.time = time_, .time_step = dt, .last_time_step = since_last});
     const auto after = list_.take_histories();
     const auto known = known_histories(evaluation, grains, *after);
     const detail::GrainRows<dimension, Real> rows(std::as_const(grains));
@@ -120,8 +115,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     list_.finish_step(std::move(evaluation));
   }
 
-  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement, or
-  /// if the step is too long for a vibrating wall. Called by Simulation.
+  /// Throws if a grain or a wall moved too far in the step, see ContactSettings::max_displacement,
+  /// or if the step is too long for a vibrating wall. Called by Simulation.
   void check_step(const P& grains, const FinishedStep& step) const {
     if (grains.empty()) return;
     const double smallest = double(radii_of(grains).smallest);
@@ -135,8 +130,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return ContactsOfStep::knows_springs ? settings_.max_energy_gain
                                          : std::numeric_limits<double>::infinity();
   }
-  /// Throws if contacts gave more energy than they had. Called by Simulation after a step in which a
-  /// grain gained more than max_energy_gain().
+  /// Throws if contacts gave more energy than they had. Called by Simulation after a step in which
+  /// a grain gained more than max_energy_gain().
   void check_energy(const P& grains, const FinishedStep& step) const {
     if constexpr (ContactsOfStep::knows_springs) {
       if (silt::detail::are_of_one_process<P> && list_.last().count == 0) return;
@@ -190,8 +185,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return walls_.would_touch(x, radius, time);
   }
 
-  /// Adds the work of each grain in units of that of a grain without contacts, see mpi/work.hpp: its
-  /// near contacts. Returns false, and adds nothing, if they are not known.
+  /// Adds the work of each grain in units of that of a grain without contacts, see mpi/work.hpp:
+  /// its near contacts. Returns false, and adds nothing, if they are not known.
   bool add_work(const P& grains, std::span<double> work) const {
     const List& list = *list_.last().list;
     if (list.rows_revision != grains.rows_revision() || list.contacts.grains() != grains.size()) {
@@ -201,8 +196,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return true;
   }
 
-  /// Number of contacts in the last step, including those with walls. Of grains that processes share,
-  /// those of owned grains: contacts between two processes are counted by both.
+  /// Number of contacts in the last step, including those with walls. Of grains that processes
+  /// share, those of owned grains: contacts between two processes are counted by both.
   Index size() const noexcept { return list_.last().count; }
 
   // Results of the last step, see ContactsOfStep. They are evaluated again, from the grains and
@@ -212,8 +207,8 @@ class ContactsOf : public Contacts<Law, Walls...> {
 
   /// f(i, j, contact, force on i) for every contact of the last step whose grains still exist; i
   /// and j are the current indices of the two, j is `no_index` for a wall. Of grains that processes
-  /// share, the grain i is owned and j may be of the halo: each contact is visited in one process. The
-  /// contact's velocity is computed from the velocities in `grains`, and for a wall from its
+  /// share, the grain i is owned and j may be of the halo: each contact is visited in one process.
+  /// The contact's velocity is computed from the velocities in `grains`, and for a wall from its
   /// velocity at the time N of the contact. The law is evaluated again in every call.
   template <class F>
   void for_each_contact(const P& grains, F&& f) const {
@@ -228,9 +223,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Load on a wall, given by its number, in the last step; the torque is about the point `about`
-  /// [m]. Bitwise identical for any number of threads. Of grains that processes share, all call it, and
-  /// get the load of all; likewise for elastic_energy(). Throws if there is no such wall, or if the
-  /// point is not finite.
+  /// [m]. Bitwise identical for any number of threads. Of grains that processes share, all call it,
+  /// and get the load of all; likewise for elastic_energy(). Throws if there is no such wall, or if
+  /// the point is not finite.
   auto load_on(const P& grains, Index wall, const typename P::Vec& about = P::Vec::Zero()) const {
     return last_step(grains).load_on(wall, about);
   }
@@ -255,9 +250,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   }
 
   /// Replaces the history; for resuming from a checkpoint.
-  void set_history(const P&, const PairHistory<History>& history) {
-    list_.set_history(history);
-  }
+  void set_history(const P&, const PairHistory<History>& history) { list_.set_history(history); }
 
   /// Writes or reads the histories, the list and which walls are present, and compares laws and
   /// walls, for a checkpoint, see core/transfer.hpp. With walls of other numbers of elements than

@@ -44,7 +44,9 @@ class Pool {
   template <class F>
   void for_each_unused(F&& f) const {
     for (const auto& each : all_) {
-      if (each.use_count() == 1) f(*each);
+      if (each.use_count() > 1) continue;
+      std::atomic_thread_fence(std::memory_order_acquire);  // as in take()
+      f(*each);
     }
   }
   /// Frees those without another owner.

@@ -4,12 +4,10 @@
 // (list_rebuild.hpp), or one of a checkpoint (saved_list.hpp).
 #pragma once
 
-#include <silt/core/buffer.hpp>
 #include <silt/core/own_memory.hpp>
 #include <silt/core/step_checks.hpp>
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
-#include <silt/core/watch.hpp>
 #include <silt/dem/contact/added_grains.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/evaluation.hpp>
@@ -174,8 +172,9 @@ class ListOfStep {
                            Evaluation& evaluation) {
     refuse_unnoticed_changes(grains, *state_.last.list, state_.last.lifetime);
     check_grains(grains, setup.materials);
-    silt::detail::check_digits_of_positions("dem::Contacts", grains, "radius",
-                                            [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
+    silt::detail::check_digits_of_positions(
+        "dem::Contacts", grains, "radius",
+        [R = std::as_const(grains)[radius]](Index i) { return R[i]; });
     const auto list = take_list();
     rebuild(grains, search, setup, reach(), evaluation.step, *list);
     evaluation.list = list;
