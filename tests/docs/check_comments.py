@@ -82,7 +82,7 @@ INTERFACES = {
     "SimpleWall": ["nearest"],
     "CompositeWall": ["element_count", "for_each_element_near"],
     "WallAtRest": ["material", "check_in", "checksum"],
-    "WallMotion": ["pose_at", "velocity_at", "period"],
+    "RigidMotion": ["pose_at", "velocity_at", "period"],
     "Region": ["clearance", "bounds", "volume"],
     "Kernel": ["weight"],
     "SmoothKernel": ["slope", "curvature"],

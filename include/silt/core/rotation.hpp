@@ -38,6 +38,23 @@ Eigen::Matrix<Real, 2, 2> rotation_by(Real turn) {
   return matrix;
 }
 
+/// The rotation vector of a rotation matrix, in the plane its angle [rad]: of a turn by less than
+/// half a circle.
+template <class Real>
+Real turn_of(const Eigen::Matrix<Real, 2, 2>& rotation) {
+  return std::atan2(rotation(1, 0), rotation(0, 0));
+}
+template <class Real>
+Vec<3, Real> turn_of(const Eigen::Matrix<Real, 3, 3>& rotation) {
+  const Vec<3, Real> twice_sine_axis{rotation(2, 1) - rotation(1, 2),
+                                     rotation(0, 2) - rotation(2, 0),
+                                     rotation(1, 0) - rotation(0, 1)};
+  const Real sine = twice_sine_axis.norm() / 2;
+  if (!(sine > 0)) return Vec<3, Real>::Zero();
+  const Real cosine = (rotation(0, 0) + rotation(1, 1) + rotation(2, 2) - 1) / 2;
+  return std::atan2(sine, cosine) / (2 * sine) * twice_sine_axis;
+}
+
 /// A unit vector [-] at a right angle to another vector, which must not be 0.
 template <class Real>
 Vec<3, Real> unit_across(const Vec<3, Real>& v) {

@@ -59,7 +59,7 @@ class Contacts {
     static_assert((Wall<Walls, P::dimension, typename P::Real> && ...),
                   "silt::dem::Contacts: a wall lacks nearest(x), material or check(), or has "
                   "another dimension or precision (see silt/dem/wall/wall.hpp), or its motion is "
-                  "not a WallMotion (see silt/dem/wall/moving.hpp)");
+                  "not a RigidMotion (see silt/dem/wall/moving.hpp)");
   }
 
   // See ForParticles in core/concepts.hpp.
