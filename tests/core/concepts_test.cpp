@@ -3,10 +3,15 @@
 // types that lack one requirement.
 #include <silt/dem.hpp>
 #include <silt/integrate/semi_implicit.hpp>
+#include <silt/io/csv_series.hpp>
+#include <silt/measure/flux.hpp>
+#include <silt/measure/surface_height.hpp>
+#include <silt/measure/wall_gauge.hpp>
 
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 namespace silt::test::concepts_test {
 namespace {
@@ -177,6 +182,13 @@ static_assert(dem::Wall<dem::Plane<2>, 2, double> && dem::Wall<dem::Plane<3, flo
               dem::Wall<dem::Segment<>, 2, double>);
 static_assert(!dem::Wall<dem::Plane<2>, 3, double> && !dem::Wall<dem::Segment<>, 2, float> &&
               !dem::Wall<Nothing, 2, double>);
+
+struct MeasureArchetype {
+  std::vector<std::string> columns() const;
+  std::string filter() const;
+};
+static_assert(WritesRows<MeasureArchetype> && WritesRows<SurfaceHeight<3>> && WritesRows<Flux<2>>);
+static_assert(!WritesRows<Nothing> && !WritesRows<WallGauge<2>>);  // of which field?
 
 TEST(Concepts, HoldAtCompileTime) { SUCCEED(); }
 

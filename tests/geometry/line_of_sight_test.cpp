@@ -64,7 +64,7 @@ void expect_same_as_by_solving(bool counts_back_sides) {
         if (!counts_back_sides && normal_of(face)[direction.axis] * direction.sign > 0) continue;
         expected = std::min(expected, distance_by_solving(face, x, direction));
       }
-      const double distance = distance_to_face(faces, x, direction, counts_back_sides);
+      const double distance = first_face(faces, x, direction, counts_back_sides).distance;
       if (expected == infinity) {
         EXPECT_EQ(distance, infinity) << x.transpose();
       } else {
@@ -90,44 +90,44 @@ TEST(DistanceToFace, IsThatOfTheSideOfABox) {
     for (const Direction& direction : all_directions<3>()) {
       const auto [axis, sign] = direction;
       const double expected = sign > 0 ? box.upper[axis] - x[axis] : x[axis] - box.lower[axis];
-      EXPECT_NEAR(distance_to_face(faces, x, direction), expected, 1e-14);
-      EXPECT_NEAR(distance_to_face(faces, x, direction, false), expected, 1e-14);
+      EXPECT_NEAR(first_face(faces, x, direction).distance, expected, 1e-14);
+      EXPECT_NEAR(first_face(faces, x, direction, false).distance, expected, 1e-14);
     }
   }
 }
 
 TEST(DistanceToFace, IsThatAlongTheAxisToAnObliqueFace) {
   const Faces<2> slope("slope", polyline({{0, 0}, {4, 2}}));
-  EXPECT_DOUBLE_EQ(distance_to_face<2>(slope, {2, 3}, {1, -1}), 2);
-  EXPECT_DOUBLE_EQ(distance_to_face<2>(slope, {0, 1}, {0, 1}), 2);
+  EXPECT_DOUBLE_EQ(first_face<2>(slope, {2, 3}, {1, -1}).distance, 2);
+  EXPECT_DOUBLE_EQ(first_face<2>(slope, {0, 1}, {0, 1}).distance, 2);
   const Faces<3> triangle("triangle", {{{Vec<3>(3, 0, 0), {0, 3, 0}, {0, 0, 3}}}});
-  EXPECT_DOUBLE_EQ(distance_to_face<3>(triangle, {1, 0.5, 0}, {2, 1}), 1.5);
-  EXPECT_DOUBLE_EQ(distance_to_face<3>(triangle, {1, 0.5, 4}, {2, -1}), 2.5);
+  EXPECT_DOUBLE_EQ(first_face<3>(triangle, {1, 0.5, 0}, {2, 1}).distance, 1.5);
+  EXPECT_DOUBLE_EQ(first_face<3>(triangle, {1, 0.5, 4}, {2, -1}).distance, 2.5);
 }
 
 TEST(DistanceToFace, IsInfiniteWhereNoFaceIsAhead) {
-  EXPECT_EQ(distance_to_face<2>(Faces<2>(), {0, 0}, {0, 1}), infinity);
+  EXPECT_EQ(first_face<2>(Faces<2>(), {0, 0}, {0, 1}).distance, infinity);
   const Faces<2> step("step", polyline({{0, 0}, {2, 0}, {2, 1}}));
-  EXPECT_EQ(distance_to_face<2>(step, {1, 0.5}, {1, 1}), infinity);      // behind
-  EXPECT_EQ(distance_to_face<2>(step, {-0.1, 0.5}, {1, -1}), infinity);  // beside
-  EXPECT_EQ(distance_to_face<2>(step, {-1, 0}, {0, 1}), 3);  // along one face, to the other
-  EXPECT_EQ(distance_to_face<2>(step, {0, 1.1}, {0, 1}), infinity);
-  EXPECT_EQ(distance_to_face<2>(step, {0, 1}, {0, 1}), 2);  // touches the end
+  EXPECT_EQ(first_face<2>(step, {1, 0.5}, {1, 1}).distance, infinity);      // behind
+  EXPECT_EQ(first_face<2>(step, {-0.1, 0.5}, {1, -1}).distance, infinity);  // beside
+  EXPECT_EQ(first_face<2>(step, {-1, 0}, {0, 1}).distance, 3);  // along one face, to the other
+  EXPECT_EQ(first_face<2>(step, {0, 1.1}, {0, 1}).distance, infinity);
+  EXPECT_EQ(first_face<2>(step, {0, 1}, {0, 1}).distance, 2);  // touches the end
 }
 
 // Normals of a box point into it: from the outside, the near side is a back side.
 TEST(DistanceToFace, PassesThroughBackSidesThatDoNotCount) {
   const Faces<3> faces("box", faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}}));
-  EXPECT_DOUBLE_EQ(distance_to_face<3>(faces, {-1, 0.5, 0.7}, {0, 1}), 1);
-  EXPECT_DOUBLE_EQ(distance_to_face<3>(faces, {-1, 0.5, 0.7}, {0, 1}, false), 3);
+  EXPECT_DOUBLE_EQ(first_face<3>(faces, {-1, 0.5, 0.7}, {0, 1}).distance, 1);
+  EXPECT_DOUBLE_EQ(first_face<3>(faces, {-1, 0.5, 0.7}, {0, 1}, false).distance, 3);
 }
 
 TEST(DistanceToFace, KnowsTheTwoSidesOfAThinPlate) {
   constexpr double thickness = 1e-9;
   const Faces<2> plate("plate", polyline({{0, -1}, {0, 1}, {thickness, 1}, {thickness, -1}}));
-  EXPECT_DOUBLE_EQ(distance_to_face<2>(plate, {-0.25, 0}, {0, 1}), 0.25);
-  EXPECT_DOUBLE_EQ(distance_to_face<2>(plate, {0.25, 0}, {0, -1}), 0.25 - thickness);
-  EXPECT_NEAR(distance_to_face<2>(plate, {thickness / 4, 0}, {0, 1}), 0.75 * thickness, 1e-24);
+  EXPECT_DOUBLE_EQ(first_face<2>(plate, {-0.25, 0}, {0, 1}).distance, 0.25);
+  EXPECT_DOUBLE_EQ(first_face<2>(plate, {0.25, 0}, {0, -1}).distance, 0.25 - thickness);
+  EXPECT_NEAR(first_face<2>(plate, {thickness / 4, 0}, {0, 1}).distance, 0.75 * thickness, 1e-24);
 }
 
 // Pairs of triangles at any angle, and lines to points of their common edge, rounded, and its ends.
@@ -147,7 +147,7 @@ TEST(DistanceToFace, IsFiniteWhereALineMeetsACommonEdge) {
     for (const double share : {0.0, unit(random), unit(random), 1.0}) {
       Vec<3> x = share == 1 ? b : Vec<3>(a + share * (b - a));
       x[0] -= 5;
-      EXPECT_NEAR(distance_to_face(faces, x, {0, 1}), 5, 1e-9) << k << ", " << share;
+      EXPECT_NEAR(first_face(faces, x, {0, 1}).distance, 5, 1e-9) << k << ", " << share;
     }
   }
 }

@@ -37,7 +37,7 @@ View<Dim> view_from(const Faces<Dim>& faces, const Vec<Dim>& x,
   for (const Vec<Dim>& point : points) {
     if (point != x && (point - x).norm() < reach) add(point, around.visible_share(point));
   }
-  around.for_each_mirror(points, [&](const Mirror<Dim>& mirror, const auto& share_of) {
+  around.for_each_mirror(points, [&](const Mirror<Dim>& mirror, const auto& share_of, const auto&) {
     for (const Vec<Dim>& point : points) {
       if ((mirror(point) - x).norm() < reach) add(mirror(point), share_of(point));
     }
@@ -114,10 +114,11 @@ TEST(Mirrors, AreTheSameInBothDirections) {
   for (Index i = 0; i < points.size(); ++i) around[i].find(faces, points[i], reach);
   const auto sum_of = [&](Index i, Index j) {
     double sum = 0;
-    around[i].for_each_mirror(points, [&](const Mirror<2>& mirror, const auto& share_of) {
-      const double r = (mirror(points[j]) - points[i]).norm();
-      if (r < reach) sum += share_of(points[j]) * r;
-    });
+    around[i].for_each_mirror(points,
+                              [&](const Mirror<2>& mirror, const auto& share_of, const auto&) {
+                                const double r = (mirror(points[j]) - points[i]).norm();
+                                if (r < reach) sum += share_of(points[j]) * r;
+                              });
     return sum;
   };
   for (Index i = 0; i < points.size(); ++i) {

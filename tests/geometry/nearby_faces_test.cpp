@@ -119,7 +119,7 @@ TEST(NearbyFaces, KnowWhetherAllAnglesAreRight) {
 
 std::vector<std::pair<double, double>> planes_below(const Faces<3>& faces, const Vec<3>& x) {
   std::vector<std::pair<double, double>> found;
-  around(faces, x, 3).for_each_plane_below([&](const Vec<3>& normal, double height) {
+  around(faces, x, 3).for_each_plane_below([&](const Vec<3>& normal, double height, std::uint32_t) {
     const Vec<3> below = x - height * normal;
     double distance = std::numeric_limits<double>::infinity();
     for (const auto& element : faces.elements()) {

@@ -4,6 +4,7 @@
 #include <silt/io/checkpoint.hpp>
 #include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/wall/moving_walls.hpp>
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"
@@ -193,6 +194,93 @@ TEST(WallLoad, OfAllWallsIsAllThatChangesTheMomentum) {
     mps::add_particle(column, x, mps::Kind::fluid);
   }
   expect_all_momentum<3>(tank, column);
+}
+
+// The torque of a known pressure, which no other test has: the resultant is at a third of the
+// height.
+TEST(WallLoad, HasTheTorqueOfTheHydrostaticPressure) {
+  constexpr double H = 8 * l0, weight = 1000 * g * H * H;
+  const auto tank = still_tank<2>();
+  const WallLoad<2> right{{segment({H, 0}, {H, H})}};
+  EXPECT_NEAR(right.read(tank, {H, 0}).torque / (-weight * H / 6), 1, 0.02);
+  EXPECT_NEAR(right.read(tank, {H, H / 3}).torque / (-weight * H / 6), 0, 0.02);
+  const WallLoad<2> floor{{segment({0, 0}, {H, 0})}};
+  EXPECT_NEAR(floor.read(tank, {0, 0}).torque / (-weight * H / 2), 1, 1e-5);
+  EXPECT_NEAR(floor.read(tank, {H / 2, 0}).torque / (-weight * H / 2), 0, 1e-5);
+}
+TEST(WallLoad, HasTheTorqueOfTheHydrostaticPressureIn3D) {
+  constexpr double H = 8 * l0, weight = 1000 * g * H * H * H;
+  const auto tank = still_tank<3>();
+  const WallLoad<3> floor{
+      faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {H, H, H}},
+               {.lower = {false, false, true}, .upper = {false, false, false}})};
+  const auto load = floor.read(tank, {0, 0, 0});
+  EXPECT_NEAR(load.torque[0] / (-weight * H / 2), 1, 1e-5);
+  EXPECT_NEAR(load.torque[1] / (weight * H / 2), 1, 1e-5);
+  EXPECT_NEAR(load.torque[2] / weight / H, 0, 1e-9);
+}
+
+// The load of walls that move, given as a group or as faces where they are defined.
+TEST(WallLoad, IsThatOfWallsThatMove) {
+  constexpr double H = 8 * l0, weight = 1000 * g * H * H;
+  auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {H, H}, .size = {.length = H, .height = 2 * H}, .spacing = l0});
+  const auto faces = std::exchange(tank.walls.segments, {});
+  const double speed = 0.7;
+  tank.walls.moving_2d = mps::MovingWalls<2>{.faces = {{.faces = faces, .motion = Translation<2>{{speed, 0}}}}};
+  for (Index i = 0; i < tank.particles.size(); ++i) tank.particles[velocity][i] = {speed, 0};
+  Simulation sim{
+      tank.particles, UniformGrid<2>{},
+      mps::Flow<mps::Recommended>{{.spacing = l0, .speed_scale = 1, .walls = tank.walls}},
+      SemiImplicit<>{}};
+  while (sim.time() < 0.1) sim.step();
+  const auto all = WallLoad<2>::of_all_walls().read(sim);
+  const auto group = WallGroup::moving_faces(0);
+  EXPECT_NEAR(all[1] / -weight, 1, 1e-4);
+  EXPECT_EQ(WallLoad<2>{group}.read(sim), all);
+  EXPECT_NEAR((WallLoad<2>(faces, group).read(sim) - all).norm() / weight, 0, 1e-9);
+  const WallLoad<2> right{{segment({H, 0}, {H, H})}, group};
+  EXPECT_NEAR(right.read(sim)[0] / (weight / 2), 1, 0.02);
+  const double shift = speed * (sim.time() - sim.last_time_step());
+  EXPECT_NEAR(right.read(sim, {H + shift, 0}).torque / (-weight * H / 6), 1, 0.02);
+  EXPECT_EQ(WallLoad<2>{WallGroup{}}.read(sim), (Vec<2>::Zero()));  // there are none at rest
+}
+// What a body gains is the load that is read.
+TEST(WallLoad, OfABodyIsWhatMovesIt) {
+  mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
+  settings.walls.segments = polyline({{0, 0.6}, {0, 0}, {0.4, 0}, {0.4, 0.6}});
+  const Box<2> box{.lower = {0.14, 0.14}, .upper = {0.26, 0.26}};
+  auto faces = faces_of(box);
+  for (auto& face : faces) face = reversed(face);
+  settings.walls.moving_2d = mps::MovingWalls<2>{.bodies = {{.faces = faces, .density = 500}}};
+  mps::Fluid<2> water;
+  for (const auto& x : lattice<2>({{0, 0}, {0.4, 0.2}}, l0)) {
+    if (!box.contains(x)) mps::add_particle(water, x, mps::Kind::fluid);
+  }
+  Simulation sim{water, UniformGrid<2>{}, mps::Flow<mps::Recommended>{settings}, SemiImplicit<>{}};
+  const double mass = 500 * 0.12 * 0.12;
+  for (int k = 0; k < 20; ++k) {
+    const auto body_of = [&]() -> const auto& { return sim.interaction().walls().bodies()[0]; };
+    const Vec<2> before = body_of().momentum();
+    sim.step();
+    const Vec<2> force =
+        (body_of().momentum() - before) / sim.last_time_step() - mass * Vec<2>(0, -g);
+    const auto group = WallGroup::body(0);
+    EXPECT_LT((WallLoad<2>{group}.read(sim) - force).norm(), 1e-9 * mass * g);
+    EXPECT_LT((WallLoad<2>{faces, group}.read(sim) - force).norm(), 1e-9 * mass * g);
+    const Vec<2> all = WallLoad<2>::of_all_walls().read(sim);
+    EXPECT_LT((all - force - WallLoad<2>{WallGroup{}}.read(sim)).norm(), 1e-9 * mass * g);
+  }
+}
+
+TEST(WallLoad, RefusesGroupsThatAreNone) {
+  const auto tank = still_tank<2>();
+  EXPECT_TRUE(refuses([&] { WallLoad<2>{WallGroup::body(0)}.read(tank); },
+                      {"WallLoad", "body(0)", "0 bodies"}));
+  EXPECT_TRUE(refuses([&] { WallLoad<2>{WallGroup::moving_faces(3)}.read(tank); },
+                      {"WallLoad", "moving_faces(3)", "0 groups"}));
+  EXPECT_TRUE(refuses([&] { WallLoad<2>::of_all_walls().read(tank, {nan, 0}); },
+                      {"WallLoad: about", "nan"}));
 }
 
 TEST(WallLoad, RefusesFacesThatAreNoWalls) {

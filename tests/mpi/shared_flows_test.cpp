@@ -4,6 +4,8 @@
 #include <silt/io/checkpoint.hpp>
 #include <silt/mpi.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/setup/remove_inside.hpp>
+#include <silt/mps/wall/moving_walls.hpp>
 
 #include "../support/slow_types.hpp"
 #include "processes.hpp"
@@ -80,6 +82,20 @@ TEST(SharedFlows, AreAsInOneProcess) {
       tank.particles,
       {.spacing = l0, .density = 1000, .speed_scale = 2.8, .walls = tank.walls},
       SILT_SLOW_TESTS ? 50 : 40, 1e-9);
+}
+
+// All processes move all walls and bodies; loads are sums over processes.
+TEST(SharedFlows, WithBodiesAreAsInOneProcess) {
+  constexpr double l0 = 0.04;
+  auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {0.8, 0.4}, .size = {.length = 1.2, .height = 0.8}, .spacing = l0});
+  const auto box = polyline({{0.3, 0.24}, {0.5, 0.24}, {0.5, 0.44}, {0.3, 0.44}, {0.3, 0.24}});
+  tank.walls.moving_2d = mps::MovingWalls<2>{
+      .faces = {{.faces = polyline({{0.8, 0}, {0.8, 0.6}}), .motion = Translation<2>{{0, 1.5}}}},
+      .bodies = {{.faces = box, .density = 500, .velocity = {0.1, 0}, .spin = 0.5}}};
+  mps::remove_inside(tank.particles, box, l0);
+  expect_same<mps::Recommended, 2>(
+      tank.particles, {.spacing = l0, .speed_scale = 2.8, .walls = tank.walls}, 40, 1e-9);
 }
 
 #if SILT_SLOW_TESTS

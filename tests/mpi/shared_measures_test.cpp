@@ -7,13 +7,14 @@
 #include <silt/measure/front.hpp>
 #include <silt/measure/probe.hpp>
 #include <silt/measure/profiles.hpp>
+#include <silt/measure/surface_height.hpp>
+#include <silt/measure/tracks.hpp>
 #include <silt/measure/wall_gauge.hpp>
 #include <silt/measure/wall_load.hpp>
 #include <silt/mpi.hpp>
 #include <silt/mps.hpp>
 
 #include "processes.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -180,6 +181,11 @@ TEST(SharedMeasures, OfFlowsAreThoseOfOneProcess) {
           Probe<2>{.point = {0.2, 0.2}, .spacing = l0}.read(water, mps::pressure, is_fluid).value_or(-1));
       add("pressure at a wall",
           WallGauge<2>{.point = {0, 0.1}, .normal = {1, 0}, .spacing = l0}.read(water, mps::pressure));
+      const WallGauge<2> gauge{.point = {0, 0.1}, .spacing = l0};
+      add("pressure in sight", gauge.read(dam, mps::pressure));
+      add("pressure by the load", gauge.read_load(dam));
+      add("level", SurfaceHeight<2>{.point = {0.3, 0}, .spacing = l0}.read(dam));
+      for (const double number : track<2>({3}, velocity).row(dam)) add("track", number);
       const auto load = silt::WallLoad<2>(tank.walls.faces<2>()).read(dam);
       add("load on all walls", load[1]);
       add("load of both sides", load[0]);

@@ -55,8 +55,8 @@ NEEDED = {
     "x86-64-v4": {"avx2", "bmi2", "fma", "avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"},
 }
 # Headers that need files, which wasm32 does not have, and headers of optional packages.
-FOR_FILES = {"archive", "black_box", "checkpoint", "checkpoints", "csv", "file", "particle_csv",
-             "replace_file", "stl", "vtk"}
+FOR_FILES = {"archive", "black_box", "checkpoint", "checkpoints", "csv", "csv_series", "file", "particle_csv",
+             "replace_file", "stl", "vtk", "vtk_walls"}
 OPTIONAL = re.compile("mpi.*|solve/hypre.*")
 
 

@@ -59,7 +59,7 @@ struct AnyMotion {
 
   AnyMotion() = default;
   template <class M>
-    requires dem::WallMotion<M, Dim, double>
+    requires dem::RigidMotion<M, Dim, double>
   explicit AnyMotion(const M& motion)
       : pose([motion](double t) { return motion.pose_at(t); }),
         velocity([motion](double t) { return motion.velocity_at(t); }) {}

@@ -49,6 +49,22 @@ class BoxTree {
     if (!items.empty()) build(items, {0, static_cast<std::uint32_t>(items.size())});
   }
 
+  /// The same items with other bounds: nodes keep their items, and become larger or smaller.
+  void refit(const Buffer<Bounds>& items) {
+    for (Index k = nodes_.size(); k-- > 0;) {
+      Node& node = nodes_[k];
+      if (node.second == 0) {
+        node.bounds = items[items_[node.items.first]];
+        for (std::uint32_t n = node.items.first; n < node.items.last; ++n) {
+          node.bounds.enclose(items[items_[n]]);
+        }
+      } else {
+        node.bounds = nodes_[k + 1].bounds;
+        node.bounds.enclose(nodes_[node.second].bounds);
+      }
+    }
+  }
+
   /// visit(item) for the items whose bounds are closer to x, a point or Bounds, than `limit`, a squared
   /// distance [m²], and for some further ones. visit returns the limit for the remaining items. Nearer
   /// nodes are visited first.

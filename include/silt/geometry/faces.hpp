@@ -8,6 +8,7 @@
 #include <silt/geometry/bounding_volume_tree.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/facets.hpp>
+#include <silt/geometry/rigid_motion.hpp>
 
 #include <array>
 #include <cstddef>
@@ -19,8 +20,17 @@
 
 namespace silt {
 
-/// Faces that may form closed or open surfaces, with normals; a face that is given twice counts
-/// once. Those that continue each other form facets, see facets.hpp.
+/// How a group of faces moves in a step.
+template <int Dim>
+struct StepOfFaces {
+  Pose<Dim> before;             ///< at the beginning of the step, from where the faces were defined
+  Pose<Dim> move;               ///< from there to the end of the step
+  RigidVelocity<Dim> velocity;  ///< the mean one [m/s]
+};
+
+/// Faces that may form closed or open surfaces, with normals; a face that is given twice in a group
+/// counts once. Those of a group that continue each other form facets, see facets.hpp. Groups may
+/// move, as rigid bodies.
 template <int Dim>
 class Faces {
  public:
@@ -34,22 +44,50 @@ class Faces {
   Faces() = default;
   /// Throws if a face is invalid, see require_size(); `name` identifies the surface.
   Faces(const std::string& name, const std::vector<Face<Dim>>& faces) {
-    elements_.reserve(faces.size());
-    std::set<detail::Corners<Dim, std::size_t(Dim)>> known;
-    for (std::size_t k = 0; k < faces.size(); ++k) {
-      require_size(name + ": face " + std::to_string(k), faces[k]);
-      if (!known.insert(detail::sorted_corners<Dim>(faces[k].corners)).second) continue;
-      const Vec normal = normal_of(faces[k]);
-      Element element{faces[k], normal, normal.dot(faces[k].corners[0]),
-                      std::uint32_t(elements_.size()), {}, false, {}, {}};
-      element.is_rim.fill(true);
-      element.inwards.fill(Vec::Zero());  // by detail::Facets; g++ 12 warns of a copy without
-      elements_.push_back(element);
-    }
+    add_group(name, faces, 0);
     detail::Facets<Dim>::join(elements_);
     make_tree();
     find_axes();
   }
+  /// The same, with groups of faces that move: group 1 and the following ones.
+  Faces(const std::string& name, const std::vector<Face<Dim>>& at_rest,
+        const std::vector<std::vector<Face<Dim>>>& moving) {
+    add_group(name, at_rest, 0);
+    for (std::size_t g = 0; g < moving.size(); ++g) {
+      add_group(name + ": moving group " + std::to_string(g), moving[g], std::uint32_t(g + 1));
+    }
+    detail::Facets<Dim>::join(elements_);
+    if (!moving.empty()) defined_ = elements_;
+    steps_.resize(moving.size());
+    is_dry_.resize(moving.size());
+    make_tree();
+    find_axes();
+  }
+
+  /// Whether there are groups that move.
+  bool move() const { return !steps_.empty(); }
+  /// The number of these groups.
+  std::uint32_t groups() const { return static_cast<std::uint32_t>(steps_.size()); }
+  /// Whether a group that moves has no fluid near it: no load on walls is its then.
+  bool is_dry(std::uint32_t group) const { return group > 0 && is_dry_[group - 1] != 0; }
+  /// Tells it.
+  void set_dry(std::uint32_t group, bool is_dry) { is_dry_[group - 1] = is_dry ? 1 : 0; }
+  /// The step of a group that moves, from 1 on.
+  const StepOfFaces<Dim>& step_of(std::uint32_t group) const { return steps_[group - 1]; }
+  /// Places the groups where they are at the beginning of a step. One for each, group 1 first. Does not
+  /// throw.
+  void begin_step(const Buffer<StepOfFaces<Dim>>& steps) {
+    steps_ = steps;
+    for (std::size_t k = 0; k < elements_.size(); ++k) {
+      if (elements_[k].group > 0)
+        place(defined_[k], step_of(elements_[k].group).before, elements_[k]);
+    }
+    find_bounds();
+    tree_.refit(bounds_);
+    find_axes();
+  }
+  /// The steps change, but not where they begin.
+  void set_moves(const Buffer<StepOfFaces<Dim>>& steps) { steps_ = steps; }
 
   /// All faces, each once; their numbers are those of this array.
   std::span<const Element> elements() const { return elements_; }
@@ -72,16 +110,52 @@ class Faces {
   }
 
  private:
-  void make_tree() {
-    Buffer<typename Tree::Bounds> bounds;
-    bounds.reserve(elements_.size());
-    for (const Element& element : elements_) {
-      const Vec& first = element.face.corners[0];
-      typename Tree::Bounds own{first, first};
-      for (const Vec& x : element.face.corners) own.enclose({x, x});
-      bounds.push_back(own);
+  void add_group(const std::string& name, const std::vector<Face<Dim>>& faces,
+                 std::uint32_t group) {
+    elements_.reserve(elements_.size() + faces.size());
+    std::set<detail::Corners<Dim, std::size_t(Dim)>> known;
+    for (std::size_t k = 0; k < faces.size(); ++k) {
+      require_size(name + ": face " + std::to_string(k), faces[k]);
+      if (!known.insert(detail::sorted_corners<Dim>(faces[k].corners)).second) continue;
+      const Vec normal = normal_of(faces[k]);
+      Element element{faces[k],
+                      normal,
+                      normal.dot(faces[k].corners[0]),
+                      std::uint32_t(elements_.size()),
+                      {},
+                      false,
+                      {},
+                      {},
+                      group};
+      element.is_rim.fill(true);
+      element.inwards.fill(Vec::Zero());  // by detail::Facets; g++ 12 warns of a copy without
+      elements_.push_back(element);
     }
-    tree_ = Tree(bounds);
+  }
+  // A face where it was defined, moved to a pose.
+  static void place(const Element& defined, const Pose<Dim>& pose, Element& element) {
+    const auto turned = [&](const Vec& v) { return multiply<Dim, double>(pose.rotation, v); };
+    for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+      element.face.corners[k] = pose.x_of(defined.face.corners[k]);
+      element.inwards[k] = turned(defined.inwards[k]);
+      element.inner_offset[k] = defined.inner_offset[k] + element.inwards[k].dot(pose.shift);
+    }
+    element.normal = turned(defined.normal);
+    element.offset = defined.offset + element.normal.dot(pose.shift);
+  }
+
+  void find_bounds() {
+    bounds_.resize(elements_.size());
+    for (std::size_t k = 0; k < elements_.size(); ++k) {
+      const Vec& first = elements_[k].face.corners[0];
+      bounds_[k] = {first, first};
+      for (const Vec& x : elements_[k].face.corners) bounds_[k].enclose({x, x});
+    }
+  }
+  void make_tree() {
+    find_bounds();
+    tree_ = Tree(bounds_);
+    if (steps_.empty()) bounds_ = {};
   }
 
   void find_axes() {
@@ -91,11 +165,17 @@ class Faces {
       for (std::size_t k = 0; k < found; ++k) direction -= direction.dot(axes_[k]) * axes_[k];
       if (found < axes_.size() && direction.norm() > least) axes_[found++] = direction.normalized();
     };
-    for (const Element& element : elements_) add(element.normal);
+    for (std::size_t k = 0; k < elements_.size() && found < axes_.size(); ++k) {
+      add(elements_[k].normal);
+    }
     for (int axis = 0; axis < Dim; ++axis) add(Vec::Unit(axis));
   }
 
   Buffer<Element> elements_;
+  Buffer<Element> defined_;  // as they were defined, if there are groups that move
+  Buffer<StepOfFaces<Dim>> steps_;
+  Buffer<std::uint8_t> is_dry_;           // each group that moves
+  Buffer<typename Tree::Bounds> bounds_;  // of each face, if there are groups that move
   Axes axes_;
   Tree tree_;
 };

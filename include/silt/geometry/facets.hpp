@@ -35,6 +35,7 @@ struct FaceOfSurface {
   std::array<Vec, std::size_t(Dim)> inwards;
   /// Their products with the points of the edges [m].
   std::array<double, std::size_t(Dim)> inner_offset;
+  std::uint32_t group;  ///< of faces that move together; 0: at rest
 
   /// Signed distance of x, a point of the plane, from the line of an edge, positive on the side
   /// of the face [m].
@@ -154,6 +155,7 @@ class Facets {
   // Whether a face lies beyond the edge of another one, in the plane of a third, to the round-off
   // of corners in single precision.
   bool continues(const SideOfFace& one, const SideOfFace& other, const Element& plane) const {
+    if (elements_[one.element].group != elements_[other.element].group) return false;
     if (!are_opposite(one, other)) return false;
     const Vec& a = plane.face.corners[0];
     const double size = (plane.face.corners[1] - a).norm();

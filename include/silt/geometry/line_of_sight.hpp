@@ -2,6 +2,7 @@
 // The first face that is seen from a point along an axis.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
@@ -39,19 +40,26 @@ inline bool is_crossed(const Face<3>& face, const Vec<3>& p, const Vec<3>& q) {
 
 }  // namespace detail
 
-/// Distance [m] from x to the first face in a direction, of all faces or of those whose normals are
-/// against it; infinite if there is none.
+/// The first face that is seen from a point.
+struct SeenFace {
+  double distance = std::numeric_limits<double>::infinity();  ///< [m]
+  std::uint32_t element = 0;                                  ///< its number, if there is one
+};
+
+/// Without those of dry groups, the first face in a direction from x, of all faces or of those
+/// whose normals are against it.
 template <int Dim>
-double distance_to_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direction& direction,
-                        bool counts_back_sides = true) {
+SeenFace first_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direction& direction,
+                    bool counts_back_sides = true) {
   Vec<Dim> along = Vec<Dim>::Zero();
   along[direction.axis] = direction.sign;
   typename Faces<Dim>::Bounds line{x, x};
   (direction.sign > 0 ? line.upper : line.lower)[direction.axis] =
       direction.sign * std::numeric_limits<double>::infinity();
-  double first = std::numeric_limits<double>::infinity();
+  SeenFace first;
   constexpr double margin = 1e-12;  // [m]: bounds of faces may have no width
   faces.for_each_near(line, margin, [&](std::uint32_t k) {
+    if (faces.is_dry(faces[k].group)) return;
     const Face<Dim>& face = faces[k].face;
     if (!detail::is_crossed(face, x, Vec<Dim>(x + along))) return;
     // Its own: that of a facet differs by round-off of single precision.
@@ -60,9 +68,25 @@ double distance_to_face(const Faces<Dim>& faces, const Vec<Dim>& x, const Direct
     const double slope = normal.dot(along);
     if (std::abs(slope) < parallel || (slope > 0 && !counts_back_sides)) return;
     const double distance = normal.dot(face.corners[0] - x) / slope;
-    if (distance > 0) first = std::min(first, distance);
+    if (distance > 0 && distance < first.distance) first = {distance, k};
   });
   return first;
+}
+/// The same in a box with periodic sides: beyond one, x is seen on from the opposite side, up to
+/// one period.
+template <int Dim>
+SeenFace first_face_in(const Box<Dim>& box, const Faces<Dim>& faces, const Vec<Dim>& x,
+                       const Direction& direction, bool counts_back_sides = true) {
+  const auto [axis, sign] = direction;
+  const SeenFace first = first_face(faces, x, direction, counts_back_sides);
+  if (!box.periodic[std::size_t(axis)]) return first;
+  const double to_side = sign > 0 ? box.upper[axis] - x[axis] : x[axis] - box.lower[axis];
+  if (first.distance <= to_side) return first;
+  Vec<Dim> beyond = x;
+  beyond[axis] = sign > 0 ? box.lower[axis] : box.upper[axis];
+  SeenFace rest = first_face(faces, beyond, direction, counts_back_sides);
+  rest.distance += to_side;
+  return rest.distance < box.length()[axis] ? rest : SeenFace{};
 }
 
 }  // namespace silt

@@ -50,6 +50,16 @@ class MirrorSearch {
       if (!seen_[k].is_known && seen_[k].shows_points) f(k, seen_[k].mirror);
     }
   }
+  /// f(plane) for each PlaneOfMirror of a mirror, in the order in which a point is mirrored in
+  /// them.
+  template <class F>
+  void for_each_plane(std::size_t mirror, F&& f) const {
+    for (std::size_t k = mirror; seen_[k].last; k = seen_[k].from) {
+      const NearFacet& facet = *seen_[k].last;
+      f(PlaneOfMirror<Dim>{facet.normal, facet.offset,
+                           (*around_)[around_->faces_of(facet)[0]].group});
+    }
+  }
   /// Whether x may see the image of a point in a mirror: in one of the ways that lead to it.
   bool may_show(std::size_t mirror, const Vec& point) const {
     do {
@@ -68,6 +78,7 @@ class MirrorSearch {
     const NearFacet* last = nullptr;      // before the points are reached; null if there is none
     typename Beams<Dim>::Beam beam = {};  // of the lines that have passed it
     std::uint32_t next = 0;               // the next way to the same mirror; 0: none
+    std::uint32_t from = 0;               // the mirror before the last facet
     bool is_known = false;                // a further way to another one
     bool shows_points = true;             // may show one
   };
@@ -89,6 +100,7 @@ class MirrorSearch {
     Seen added{from.mirror.after(mirror_in<Dim>(facet.normal, facet.offset)),
                from.viewpoint - (2 * height) * facet.normal, &facet};
     added.shows_points = distance < most;
+    added.from = static_cast<std::uint32_t>(k);
     added.beam = beams_.through(
         around_->faces_of(facet),
         [&](std::uint32_t face) -> const auto& { return (*around_)[face]; }, added.viewpoint, -height,

@@ -28,24 +28,31 @@ class MirrorsAround : public NearbyFaces<Dim> {
     return share_among_faces(point);
   }
 
-  /// f(mirror, share_of) for each mirror that may show one of the points as closer to x than the reach;
-  /// share_of(point) is the share of the point's image, which is that close, that is seen from x.
+  /// f(mirror, share_of, for_each_plane) for each mirror that may show one of the points as closer
+  /// to x than the reach; share_of(point) is the share of the point's image, which is that close,
+  /// that is seen from x, for_each_plane(g) calls g(plane) for each PlaneOfMirror, in the order in
+  /// which a point is mirrored in them.
   template <class F>
   void for_each_mirror(std::span<const Vec> points, F&& f) const {
     if (this->empty()) return;
     if (this->is_plane()) {
       const auto& plane = (*this)[this->faces()[0]];
-      f(mirror_in<Dim>(plane.normal, plane.offset),
-        [&](const Vec& point) { return is_before_plane(point); });
+      const auto mirror = mirror_in<Dim>(plane.normal, plane.offset);
+      f(
+          mirror, [&](const Vec& point) { return is_before_plane(point); },
+          [&](auto&& g) { g(PlaneOfMirror<Dim>{plane.normal, plane.offset, plane.group}); });
       return;
     }
     static thread_local MirrorSearch<Dim> search;  // keeps its capacity
     const SharesOfLines<Dim> shares(*this);
     search.find(*this, points);
     search.for_each([&](std::size_t number, const Mirror<Dim>& mirror) {
-      f(mirror, [&](const Vec& point) {
-        return search.may_show(number, point) ? shares.of(point, mirror) : 0;
-      });
+      f(
+          mirror,
+          [&](const Vec& point) {
+            return search.may_show(number, point) ? shares.of(point, mirror) : 0;
+          },
+          [&](auto&& g) { search.for_each_plane(number, g); });
     });
   }
 

@@ -72,6 +72,9 @@ class NearbyFaces {
     }
   }
 
+  /// Refers to a copy of the surface from now on.
+  void refer_to(const Faces<Dim>& surface) { surface_ = &surface; }
+
   bool empty() const { return near_.empty(); }
   /// Whether there is nothing but one plane.
   bool is_plane() const { return is_plane_; }
@@ -124,24 +127,28 @@ class NearbyFaces {
   /// clearance [m], or than x is: where the given move would, the rest of it is along the face. Zero
   /// where faces leave no such move.
   Vec before_faces(const Vec& move, double clearance) const {
-    if (distance_ - move.norm() >= clearance) return move;
+    if (distance_ - move.norm() - furthest_move_of_faces() >= clearance) return move;
     constexpr int max_faces = 3;  // those that meet in a corner are left one after another
     Vec end = x_ + move;
     bool is_changed = false;
     for (int k = 0; k < max_faces; ++k) {
       for (const std::uint32_t number : near_) {
         const Element& element = (*surface_)[number];
-        const Vec from_face = end - nearest_of(element.face, end);
+        // The end, as seen from the face.
+        const Vec at = before_step_of(element, end);
+        const Vec from_face = at - nearest_of(element.face, at);
         const double distance = from_face.norm();
         const double least = std::min(clearance, distance_from(element));
-        const double before = element.height(x_), behind = element.height(end);
-        if (is_between(element, x_, end)) {
-          end += ((before > 0 ? least : -least) - behind) * element.normal;
+        const double before = element.height(x_), behind = element.height(at);
+        Vec further;
+        if (is_between(element, x_, at)) {
+          further = ((before > 0 ? least : -least) - behind) * element.normal;
         } else if (distance < least && distance > 0) {
-          end += (least / distance - 1) * from_face;
+          further = (least / distance - 1) * from_face;
         } else {
           continue;
         }
+        end = element.group > 0 ? after_step_of(element, Vec(at + further)) : Vec(end + further);
         is_changed = true;
       }
     }
@@ -149,15 +156,25 @@ class NearbyFaces {
     const bool is_free = std::ranges::all_of(near_, [&](std::uint32_t number) {
       constexpr double round_off = 1e-9;
       const Element& element = (*surface_)[number];
-      return !is_between(element, x_, end) &&
-             (end - nearest_of(element.face, end)).norm() >=
+      const Vec at = before_step_of(element, end);
+      return !is_between(element, x_, at) &&
+             (at - nearest_of(element.face, at)).norm() >=
                  (1 - round_off) * std::min(clearance, distance_from(element));
     });
     return is_free ? Vec(end - x_) : Vec(Vec::Zero());
   }
+  /// Whether a move of x to `end` [m] goes through a face that moves meanwhile: the number of the
+  /// face, or that of all faces if there is none.
+  std::uint32_t face_passed(const Vec& end) const {
+    for (const std::uint32_t number : near_) {
+      const Element& element = (*surface_)[number];
+      if (is_between(element, x_, before_step_of(element, end))) return number;
+    }
+    return static_cast<std::uint32_t>(surface_->elements().size());
+  }
 
-  /// f(normal, height) for the plane of every facet that has a point straight below x: its normal
-  /// towards x, and the distance of x from it [m].
+  /// f(normal, height, group) for the plane of every facet that has a point straight below x: its
+  /// normal towards x, the distance of x from it [m], and the group of its faces.
   template <class F>
   void for_each_plane_below(F&& f) const {
     for (std::size_t k = 0; k < near_.size(); ++k) {
@@ -174,7 +191,7 @@ class NearbyFaces {
                                           return other.facet == element.facet && is_below(other);
                                         });
       if (is_known) continue;
-      f(height > 0 ? element.normal : Vec(-element.normal), std::abs(height));
+      f(height > 0 ? element.normal : Vec(-element.normal), std::abs(height), element.group);
     }
   }
 
@@ -194,6 +211,30 @@ class NearbyFaces {
 
  private:
   static constexpr double cos_30 = 0.866;
+
+  // Where a point at the end of the step would be if it moved with a face, at its beginning, and
+  // the other way round [m].
+  Vec before_step_of(const Element& element, const Vec& end) const {
+    return element.group > 0 ? surface_->step_of(element.group).move.X_of(end) : end;
+  }
+  Vec after_step_of(const Element& element, const Vec& begin) const {
+    return surface_->step_of(element.group).move.x_of(begin);
+  }
+  // Of their points as close to x as furthest() [m].
+  double furthest_move_of_faces() const {
+    double furthest_move = 0;
+    if (!surface_->move()) return furthest_move;
+    for (const std::uint32_t number : near_) {
+      const std::uint32_t group = (*surface_)[number].group;
+      if (group == 0) continue;
+      const Pose<Dim>& move = surface_->step_of(group).move;
+      const Eigen::Matrix<double, Dim, Dim> turn =
+          move.rotation - Eigen::Matrix<double, Dim, Dim>::Identity();
+      furthest_move =
+          std::max(furthest_move, (move.x_of(x_) - x_).norm() + turn.norm() * furthest());
+    }
+    return furthest_move;
+  }
 
   double distance_from(const Element& element) const {
     return (x_ - nearest_of(element.face, x_)).norm();
@@ -236,8 +277,13 @@ class NearbyFaces {
   static double margin_for(double reach) { return 0.75 * width_for(reach); }
   static double furthest_for(double reach) { return reach + margin_for(reach); }
   bool is_between(const Element& element, const Vec& from, const Vec& to) const {
-    return (element.height(from) > 0) != (element.height(to) > 0) &&
-           passage_of(element.face, from, to, round_off()) != Passage::beside;
+    const double before = element.height(from), after = element.height(to);
+    if ((before > 0) == (after > 0)) return false;
+    const Passage passage = passage_of(element.face, from, to, round_off());
+    if (passage != Passage::at_rim) return passage == Passage::through;
+    // The line of an edge goes on beyond it.
+    const Vec crossing = from + before / (before - after) * (to - from);
+    return (crossing - nearest_of(element.face, crossing)).norm() <= round_off();
   }
 
   const Faces<Dim>* surface_ = nullptr;

@@ -30,16 +30,25 @@ namespace silt {
 class CsvFile {
  public:
   /// The folder must exist. An existing file is kept until the first row is written, so that a
-  /// checkpoint can be read before; it is then replaced. Throws silt::Error if there are no
-  /// columns, if read_csv() could not read the name of one, or if the file cannot be written.
-  CsvFile(std::filesystem::path path, const std::vector<std::string>& columns)
+  /// checkpoint can be read before; it is then replaced. The lines of the comment are the first of
+  /// the file, each after a #. Throws silt::Error if there are no columns, if read_csv() could not
+  /// read the name of one, or if the file cannot be written.
+  CsvFile(std::filesystem::path path, const std::vector<std::string>& columns,
+          std::string_view comment = {})
       : path_(std::move(path)), columns_(columns.size()) {
     if (columns.empty()) {
       fail({"CsvFile: ", path_.string(), " has no columns; name at least one"});
     }
     for (auto name = columns.begin(); name != columns.end(); ++name) check_name(columns, name);
+    while (!comment.empty()) {
+      const std::string_view line = comment.substr(0, comment.find('\n'));
+      comment.remove_prefix(std::min(comment.size(), line.size() + 1));
+      head_ += "# ";
+      head_ += line;
+      head_ += '\n';
+    }
     for (const std::string& name : columns) {
-      if (!head_.empty()) head_ += ',';
+      if (&name != &columns.front()) head_ += ',';
       head_ += name;
     }
     head_ += '\n';

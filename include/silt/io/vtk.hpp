@@ -132,6 +132,21 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
                      base64(bytes), "</DataArray>\n"});
 }
 
+/// A frame of n points in m cells, from the elements of its parts.
+[[gnu::cold]] inline std::string vtk_file(Index n, Index m, const std::string& points,
+                                          const std::string& cells, const std::string& point_data,
+                                          const std::string& cell_data) {
+  const char* const order =
+      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
+  return message_of(
+      {"<?xml version=\"1.0\"?>\n"
+       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"",
+       order, "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"", n,
+       "\" NumberOfCells=\"", m, "\">\n<Points>\n", points, "</Points>\n<Cells>\n", cells,
+       "</Cells>\n<PointData>\n", point_data, "</PointData>\n", cell_data,
+       "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"});
+}
+
 /// A frame of the positions, as points, and the other fields.
 [[gnu::cold]] inline std::string vtk_frame(std::span<const Id> ids, std::span<VtkArray> fields) {
   const Index n = ids.size();
@@ -151,15 +166,7 @@ VtkArray vtk_array(std::string_view name, std::span<const Value> values) {
       (field.name == name_of<position_t>() ? points : point_data) += xml_of(field);
   }
 
-  const char* const order =
-      std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian";
-  return message_of(
-      {"<?xml version=\"1.0\"?>\n"
-       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"",
-       order, "\" header_type=\"UInt64\">\n<UnstructuredGrid>\n<Piece NumberOfPoints=\"", n,
-       "\" NumberOfCells=\"", n, "\">\n<Points>\n", points, "</Points>\n<Cells>\n", cells,
-       "</Cells>\n<PointData>\n", point_data,
-       "</PointData>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n"});
+  return vtk_file(n, n, points, cells, point_data, "");
 }
 
 /// The arrays of a part of a frame, as a .pvtu file declares them.
@@ -244,12 +251,9 @@ class VtkSeries {
     if constexpr (Archive::reads) was_read_ = true;
   }
 
- private:
-  static constexpr std::string_view time_begins = "timestep=\"";
-  static constexpr const char* of_one = ".vtu";
-  static constexpr const char* of_pieces = ".pvtu";
-
-  // Writes the next frame. Like all that runs once for a frame, it is compiled for a small program.
+ protected:
+  /// Writes the next frame [s]. Like all that runs once for a frame, it is compiled for a small
+  /// program. Throws silt::Error if a file cannot be written.
   [[gnu::cold]] void write(double time, bool is_resumed, const Process& process,
                            const std::string& frame) {
     if (times_.empty() && is_resumed && !was_read_) times_ = listed_before(time);
@@ -291,6 +295,11 @@ class VtkSeries {
                     "<Collection>\n",
                     list, "</Collection>\n</VTKFile>\n"}));
   }
+
+ private:
+  static constexpr std::string_view time_begins = "timestep=\"";
+  static constexpr const char* of_one = ".vtu";
+  static constexpr const char* of_pieces = ".pvtu";
 
   [[gnu::cold]] std::filesystem::path list_path() const {
     std::filesystem::path path = folder_;

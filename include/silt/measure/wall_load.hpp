@@ -2,154 +2,172 @@
 // The load of a flow on walls without particles.
 #pragma once
 
-#include <silt/core/box.hpp>
 #include <silt/core/error.hpp>
-#include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
+#include <silt/geometry/fluid_load.hpp>
 #include <silt/geometry/line_of_sight.hpp>
+#include <silt/geometry/rigid_body.hpp>
+#include <silt/measure/wall_group.hpp>
 
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <limits>
+#include <string>
 #include <type_traits>
 #include <vector>
 
 namespace silt {
 
-/// Force of a fluid on some of its walls in the last step, by what stops the fluid there, pressure or
-/// collisions; viscous stresses are not included. Of fluid that sees a wall along every axis, the
-/// loads of all walls are the whole change of momentum by pressure, collisions and the friction
-/// between particles, to round-off.
-///
-/// The integral of P n over the walls that are first seen along an axis is that of ψ ∂P + P ∂ψ over
-/// the fluid which sees them, with derivatives along the axis, where ψ is 1 on these walls, 0 on
-/// those in the opposite direction and linear between both, or 1 if there are none. For ∂P stands
-/// −ρ times the acceleration.
+/// Force of a fluid on some of its walls in the last step, by what stops the fluid there, pressure
+/// or collisions; viscous stresses are not included. Of fluid that sees a wall along every axis,
+/// the loads of all walls are the whole change of momentum by pressure, collisions and the friction
+/// between particles, to round-off. See FluidLoad.
 template <int Dim>
 class WallLoad {
  public:
-  /// `faces` are walls of the flow, or parts of them of several spacings, with normals into the fluid,
-  /// as those of make_tank() and of faces_of(box) for fluid in the box; otherwise see reversed().
-  /// Fluid on the other side does not count. Throws if there is no face, or one without size.
-  explicit WallLoad(const std::vector<Face<Dim>>& faces) : faces_("WallLoad", faces) {
+  /// `faces` are walls of the flow, or parts of them of several spacings, with normals into the
+  /// fluid, as those of make_tank() and of faces_of(box) for fluid in the box; otherwise see
+  /// reversed(). Fluid on the other side does not count. Those of walls that move are given where
+  /// these are defined, and move with them. Throws if there is no face, or one without size.
+  explicit WallLoad(const std::vector<Face<Dim>>& faces, WallGroup moves_with = {})
+      : counts_(Counts::faces),
+        group_(moves_with),
+        faces_(moves_with.is_at_rest() ? Faces<Dim>("WallLoad", faces)
+                                       : Faces<Dim>("WallLoad", {}, {faces})) {
     if (faces.empty()) fail("WallLoad: no faces; give those of which the load is asked");
-    for (const auto& element : faces_.elements()) {
-      for (const auto& corner : element.face.corners) {
-        lower_ = lower_.cwiseMin(corner);
-        upper_ = upper_.cwiseMax(corner);
-      }
-    }
+  }
+  /// Of all faces of a group of walls, from both sides.
+  explicit WallLoad(WallGroup group) : counts_(Counts::group), group_(group) {}
+  /// Of all walls of the flow, from both sides.
+  static WallLoad of_all_walls() { return WallLoad(); }
+
+  /// The same with the point [m] about which torques are written to a file; where a group is
+  /// defined, if the faces are of one, and moving with it. Otherwise they are about the origin.
+  /// Throws if it is not finite.
+  WallLoad about(const Vec<Dim>& point) const {
+    require_finite("WallLoad: about", point);
+    WallLoad other = *this;
+    other.about_ = point;
+    return other;
   }
 
-  /// In 3D [N], in 2D per depth [N/m]; zero before the first step, and after reading a checkpoint
-  /// until the next one. Of particles that processes share, all call it, and get the load of all.
-  /// Throws if fluid sees a face that is not on a wall of the flow.
+  /// The force, in 3D [N], in 2D per depth [N/m]; zero before the first step, and after reading a
+  /// checkpoint until the next one. Of particles that processes share, all call it, and get the
+  /// load of all. Throws if fluid sees a face that is not on a wall of the flow, or if the walls
+  /// have no such group.
   template <class Sim>
   Vec<Dim> read(const Sim& simulation) const {
-    static_assert(requires { simulation.interaction().walls().faces(); },
+    return read(simulation, Vec<Dim>::Zero()).force;
+  }
+  /// The same with the torque about a point [m], in 3D [N m], in 2D per depth [N]: of the lines
+  /// along the axes in which the fluid pushes. Throws also if the point is not finite.
+  template <class Sim>
+  BodyLoad<Dim> read(const Sim& simulation, const Vec<Dim>& about) const {
+    static_assert(detail::has_walls_of_faces<Sim>,
                   "silt::WallLoad: read(simulation) needs a simulation of a flow whose walls are "
                   "faces, such as those of mps::Recommended");
     static_assert(std::remove_cvref_t<decltype(simulation.particles())>::dimension == Dim,
                   "silt::WallLoad: the flow has another dimension");
     const auto& flow = simulation.interaction();
-    const auto& changes = flow.momentum_changes();
-    const double l0 = flow.settings().spacing;
-    const double volume = std::pow(l0, Dim);
-    const double momentum = flow.settings().density * volume / simulation.last_time_step();
-    const auto& box = simulation.particles().box();
-    const View view{.walls = flow.walls().faces(),
-                    .faces = faces_,
-                    .box = {.lower = box.lower.template cast<double>(),
-                            .upper = box.upper.template cast<double>(),
-                            .periodic = box.periodic},
-                    .margin = 1e-3 * l0};
-    // Off a lattice, where lines would pass through edges that parts of a wall have in common.
-    Vec<Dim> aside = 1e-7 * l0 * Vec<Dim>::Ones();
-    for (int k = 0; k < Dim; ++k) aside[k] /= std::sqrt(k + 2);
-    std::vector<Vec<Dim>> loads(changes.size());
-    const auto read_load = [&](Index i) {
-      const auto& change = changes[i];
-      const Vec<Dim> x = change.position + aside;
-      loads[i].setZero();
-      for (int axis = 0; axis < Dim; ++axis) {
-        if (!may_see(x, axis)) continue;
-        const auto seen = view.along(axis, x);
-        const double gap = seen[0].distance + seen[1].distance;
-        for (const std::size_t side : {0u, 1u}) {
-          if (!seen[side].is_counted) continue;
-          const double sign = side == 0 ? -1 : 1;
-          const double share = is_finite(gap) ? seen[1 - side].distance / gap : 1;
-          loads[i][axis] += sign * volume * change.pressure / gap -
-                            share * momentum * change.velocity_change[axis];
-        }
-      }
-    };
     const auto& particles = simulation.particles();
+    BodyLoad<Dim> load;
     detail::together(particles, [&] {
-      for_each(changes.size(), read_load);
+      require_finite("WallLoad: about", about);
+      const FluidLoad<Dim> by_fluid(flow.walls().faces(), particles.box(),
+                                    {.density = flow.settings().density,
+                                     .spacing = flow.settings().spacing,
+                                     .time_step = simulation.last_time_step()});
+      load = counts_ == Counts::faces ? on_faces(simulation, by_fluid, about)
+                                      : on_group(simulation, by_fluid, about);
       return Largest{};
     });
-    Vec<Dim> load = Vec<Dim>::Zero();
-    for (const auto& part : loads) load += part;
-    return detail::sum_of_all(particles, load);
+    return FluidLoad<Dim>::sum_of_all(particles, load);
+  }
+
+  /// For a file: see CsvSeries.
+  std::vector<std::string> columns() const {
+    if constexpr (Dim == 2) return {"force_x", "force_y", "torque"};
+    return {"force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z"};
+  }
+  /// What the numbers of a row are.
+  std::string filter() const {
+    const std::string kind = counts_ == Counts::all     ? "all walls"
+                             : counts_ == Counts::group ? "a group of walls"
+                                                        : "chosen faces of walls";
+    return message_of({"force and torque about ", to_text(about_),
+                       group_.is_at_rest() ? " m" : " m, which moves with the group",
+                       " of the fluid on ", kind, Dim == 2 ? " [N/m], [N]" : " [N], [N m]",
+                       ": the change of momentum by pressure and collisions in the last step; no "
+                       "average in time, and no viscous stresses"});
+  }
+  /// The force [N] and the torque [N m], in 2D per metre of depth. Throws as read().
+  template <class Sim>
+  std::vector<double> row(const Sim& simulation) const {
+    Vec<Dim> point = about_;
+    if (const auto group = group_.template number_in<Dim>(simulation, "WallLoad"); group > 0) {
+      point = simulation.interaction().walls().faces().step_of(group).before.x_of(point);
+    }
+    const BodyLoad<Dim> load = read(simulation, point);
+    std::vector<double> numbers(load.force.begin(), load.force.end());
+    for (int k = 0; k < angular_size<Dim>; ++k) numbers.push_back(component(load.torque, k));
+    return numbers;
   }
 
  private:
-  struct Seen {
-    double distance;  // of the first wall
-    bool is_counted;  // whether it is one of the faces
-  };
-  struct View {
-    const Faces<Dim>& walls;
-    const Faces<Dim>& faces;
-    Box<Dim> box;
-    double margin;  // [m]
+  enum class Counts : std::uint8_t { faces, group, all };
+  using SeenWall = typename FluidLoad<Dim>::SeenWall;
 
-    // Backwards and forwards.
-    std::array<Seen, 2> along(int axis, const Vec<Dim>& x) const {
-      return {in(Direction{axis, -1}, x), in(Direction{axis, 1}, x)};
-    }
+  WallLoad() : counts_(Counts::all) {}
 
-   private:
-    Seen in(const Direction& direction, const Vec<Dim>& x) const {
-      const double wall = distance(walls, direction, x, true);
-      const double face = distance(faces, direction, x, false);
-      if (face < wall - margin) {
-        fail({"WallLoad: a face is not on a wall of the flow, but ", face, " m from ", to_text(x),
-              " m in the fluid; give faces of the walls, or parts of them"});
-      }
-      return {wall, is_finite(face) && face < wall + margin};
+  template <class Sim>
+  BodyLoad<Dim> on_faces(const Sim& simulation, const FluidLoad<Dim>& by_fluid,
+                         const Vec<Dim>& about) const {
+    const auto& flow = simulation.interaction();
+    const double margin = 1e-3 * flow.settings().spacing;
+    Faces<Dim> moved;
+    const std::uint32_t group = group_.template number_in<Dim>(simulation, "WallLoad");
+    if (group > 0) {
+      moved = faces_;
+      moved.begin_step({flow.walls().faces().step_of(group)});
     }
-    double distance(const Faces<Dim>& which, const Direction& direction, const Vec<Dim>& x,
-                    bool counts_back_sides) const {
-      const auto [axis, sign] = direction;
-      const double first = distance_to_face(which, x, direction, counts_back_sides);
-      if (!box.periodic[std::size_t(axis)]) return first;
-      const double to_side = sign > 0 ? box.upper[axis] - x[axis] : x[axis] - box.lower[axis];
-      if (first <= to_side) return first;
-      Vec<Dim> beyond = x;
-      beyond[axis] = sign > 0 ? box.lower[axis] : box.upper[axis];
-      const double rest = distance_to_face(which, beyond, direction, counts_back_sides);
-      const double none = std::numeric_limits<double>::infinity();
-      return to_side + rest < box.length()[axis] ? to_side + rest : none;
+    const Faces<Dim>& faces = group > 0 ? moved : faces_;
+    BoundsOfFaces<Dim> bounds;
+    for (const auto& element : faces.elements()) bounds.enclose(element.face);
+    return by_fluid.sum(
+        flow.momentum_changes(), bounds, about, [&](const Vec<Dim>& x, const SeenWall& seen) {
+          const double wall = seen.face.distance;
+          const double face =
+              first_face_in(by_fluid.box(), faces, x, seen.direction, false).distance;
+          if (face < wall - margin) {
+            fail({"WallLoad: a face is not on a wall of the flow, but ", face, " m from ",
+                  to_text(x), " m in the fluid; give faces of the walls, or parts of them"});
+          }
+          return is_finite(face) && face < wall + margin ? 1.0 : 0.0;
+        });
+  }
+  template <class Sim>
+  BodyLoad<Dim> on_group(const Sim& simulation, const FluidLoad<Dim>& by_fluid,
+                         const Vec<Dim>& about) const {
+    const std::uint32_t group = group_.template number_in<Dim>(simulation, "WallLoad");
+    const bool all_count = counts_ == Counts::all;
+    const Faces<Dim>& walls = by_fluid.walls();
+    BoundsOfFaces<Dim> bounds;
+    for (const auto& element : walls.elements()) {
+      if (all_count || element.group == group) bounds.enclose(element.face);
     }
-  };
-
-  bool may_see(const Vec<Dim>& x, int axis) const {
-    for (int k = 0; k < Dim; ++k) {
-      if (k != axis && !(lower_[k] <= x[k] && x[k] <= upper_[k])) return false;
-    }
-    return true;
+    return by_fluid.sum(simulation.interaction().momentum_changes(), bounds, about,
+                        [&](const Vec<Dim>&, const SeenWall& seen) {
+                          const bool counts =
+                              is_finite(seen.face.distance) &&
+                              (all_count || walls[seen.face.element].group == group);
+                          return counts ? 1.0 : 0.0;
+                        });
   }
 
-  Faces<Dim> faces_;
-  // Of their corners.
-  Vec<Dim> lower_ = Vec<Dim>::Constant(std::numeric_limits<double>::infinity());
-  Vec<Dim> upper_ = -lower_;
+  Counts counts_;
+  WallGroup group_;
+  Vec<Dim> about_ = Vec<Dim>::Zero();  // [m]
+  Faces<Dim> faces_;                   // where they are defined, if they move
 };
 
 }  // namespace silt

@@ -70,9 +70,10 @@ struct WallLaw {
     using Vec = typename View::Vec;
     Vec sum = FreeSlip{}.velocity_change(at, nu);
     const double l0 = double(at.spacing());
-    at.for_each_wall([&](const Vec& normal, Real height) {
+    at.for_each_wall([&](const Vec& normal, Real height, const Vec& of_wall) {
       const double share = std::clamp(1.5 - double(height) / l0, 0.0, 1.0);
-      const Vec u = at.velocity() - at.velocity().dot(normal) * normal;
+      const Vec relative = at.velocity() - of_wall;
+      const Vec u = relative - relative.dot(normal) * normal;
       const double speed = double(u.norm());
       if (!(share > 0) || !(speed > 0)) return;
       const double stress = squared(friction_velocity(speed, double(height), nu));  // over ρ

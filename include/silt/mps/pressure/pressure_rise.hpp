@@ -6,6 +6,7 @@
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/scheme/scheme.hpp>
 #include <silt/mps/view/particle_view.hpp>
+#include <silt/mps/wall/walls.hpp>
 
 #include <algorithm>
 
@@ -29,7 +30,7 @@ class PressureRise {
       return image.rise_along(u_) / time_step_over_density_;
     }
     const Index j = step_.particles.owner(image.index);
-    const Real at_rest = image.rise(step_.at(j).weight());
+    const Real at_rest = rise_at_rest(image, step_.at(j).weight(), Real(step_.settings.density));
     return on_surface_[j] ? std::max(Real(0), at_rest) : at_rest;
   }
 

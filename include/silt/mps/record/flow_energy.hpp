@@ -33,7 +33,9 @@ struct FlowEnergy {
   double by_force = 0;  ///< the body force in addition to gravity
   double by_friction = 0;   ///< of pairs of particles, see Friction
   double by_collision = 0;
-  double by_pressure = 0;  ///< impacts, remaining compression, clipping of negative pressures
+  double by_walls = 0;  ///< pressure on walls without particles that move
+  double by_pressure =
+      0;  ///< the rest: impacts, remaining compression, clipping of negative pressures
   double by_shifting = 0;  ///< change of the potential energy
   double by_integration = 0;  ///< work of gravity minus the decrease of the potential energy, as
                               ///< positions move with u^{n+1} instead of ū
@@ -46,8 +48,9 @@ struct FlowEnergy {
   double numerical() const { return by_pressure + by_shifting + by_integration; }
   /// total() minus the sum of initial and all other terms: round-off [J].
   double imbalance() const {
-    return total() - initial - (by_viscosity + by_force + by_friction + by_collision + by_pressure +
-                                by_shifting + by_integration + added);
+    return total() - initial -
+           (by_viscosity + by_force + by_friction + by_collision + by_walls + by_pressure +
+            by_shifting + by_integration + added);
   }
 };
 
@@ -104,10 +107,11 @@ class EnergyAccount {
   }
 
   /// To be called after a step of dt [s] made `changes` and moved the particles. `forces` are
-  /// gravity plus body force of each particle [m/s²]; empty if there is no body force.
+  /// gravity plus body force of each particle [m/s²]; empty if there is no body force. `of_walls`
+  /// is the work of the pressure on walls that move [J].
   template <FluidParticles P>
   void end(const P& particles, const StepChanges<Vec>& changes, const Buffer<Vec>& forces,
-           double dt) {
+           double of_walls, double dt) {
     const auto u = particles[velocity];
     const auto kinds = particles[kind];
     const Vec gravity_change = Real(dt) * properties_.gravity;  // rounded as in the predictor
@@ -137,7 +141,8 @@ class EnergyAccount {
     energy_.by_force += properties_.mass * work[by_force];
     energy_.by_friction += properties_.mass * work[by_friction];
     energy_.by_collision += properties_.mass * work[by_collision];
-    energy_.by_pressure += properties_.mass * work[by_pressure];
+    energy_.by_walls += of_walls;
+    energy_.by_pressure += properties_.mass * work[by_pressure] - of_walls;
     energy_.by_shifting += properties_.mass * work[by_shifting];
     energy_.by_integration += properties_.mass * (work[by_gravity] - work[by_shifting]) +
                               (found.potential - energy_.potential);
@@ -155,6 +160,7 @@ class EnergyAccount {
     archive("by_force", energy_.by_force);
     archive("by_friction", energy_.by_friction);
     archive("by_collision", energy_.by_collision);
+    archive("by_walls", energy_.by_walls);
     archive("by_pressure", energy_.by_pressure);
     archive("by_shifting", energy_.by_shifting);
     archive("by_integration", energy_.by_integration);

@@ -73,10 +73,12 @@ class FlowRecord {
                          time_step);
     now_.energy.begin(particles);
   }
-  /// Before the step of this length [s] changes any velocity.
+  /// Before the step of this length [s] changes any velocity. The speed is that of the fastest wall
+  /// [m/s].
   template <FluidParticles P>
-  void begin_changes(const P& particles, const BodyForce<Dim, Real>& force, double time_step) {
-    now_.watch.begin(particles, force, time_step, energy().kinetic);
+  void begin_changes(const P& particles, const BodyForce<Dim, Real>& force, double time_step,
+                     double speed_of_walls) {
+    now_.watch.begin(particles, force, time_step, energy().kinetic, speed_of_walls);
   }
   /// With walls of faces, when these changes of the velocities are known, and before the particles are
   /// moved with them.
@@ -84,11 +86,26 @@ class FlowRecord {
   void find_momentum_changes(const P& particles, const Walls&, const StepChanges<Vec>& changes) {
     if constexpr (AddsImages<Walls>) momentum_changes_.find(particles, changes);
   }
+  /// The work of the pressure on walls that move, in the step [J]; rise as in PressureRise.
+  template <class Step, class Walls, class Rise>
+  [[gnu::cold]] void find_work_of_walls(const Step& step, const Walls& walls, const Rise& rise) {
+    work_of_walls_ = 0;
+    if constexpr (MovesWalls<Walls>) {
+      if (!walls.move()) return;
+      const auto& particles = step.particles;
+      const auto p = particles.with_ghosts(pressure);
+      const double power = silt::detail::sum_of_all(
+          particles, ordered_sum(particles.size(), 0.0,
+                                 [&](Index i) { return walls.power(step.at(i), p, rise); }));
+      const double volume = now_.energy.mass() / step.settings.density;
+      work_of_walls_ = power * volume * step.time_step;
+    }
+  }
   /// After it made all changes and moved the particles.
   template <FluidParticles P>
   void end_step(const P& particles, const StepChanges<Vec>& changes,
                 const BodyForce<Dim, Real>& force, double time_step) {
-    now_.energy.end(particles, changes, force.values(), time_step);
+    now_.energy.end(particles, changes, force.values(), work_of_walls_, time_step);
     now_.watch.end(particles);
   }
 
@@ -129,6 +146,7 @@ class FlowRecord {
   double viscous_limit_;  // of the time step [s]
   double time_ = 0;
   bool is_first_step_ = false;
+  double work_of_walls_ = 0;  // in the step [J]
   State now_;
   State saved_;
   MomentumChanges<Dim> momentum_changes_;

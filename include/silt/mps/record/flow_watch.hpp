@@ -24,9 +24,11 @@ class FlowWatch {
  public:
   using Vec = silt::Vec<Dim, Real>;
 
-  /// Before a step of dt [s] changes any velocity; kinetic [J] is the energy of the fluid then.
+  /// Before a step of dt [s] changes any velocity; kinetic [J] is the energy of the fluid then,
+  /// speed_of_walls [m/s] that of the fastest wall without particles.
   template <FluidParticles P>
-  void begin(const P& particles, const BodyForce<Dim, Real>& force, double dt, double kinetic) {
+  void begin(const P& particles, const BodyForce<Dim, Real>& force, double dt, double kinetic,
+             double speed_of_walls = 0) {
     const auto x = particles[position];
     const auto kinds = particles[kind];
     const Vec g = force.gravity();
@@ -46,6 +48,8 @@ class FlowWatch {
                    largest_of_fluid([&](Index i) { return g.dot(x[i]); }),
                    largest_of_fluid([&](Index i) { return Vec(force[i] - g + endless).norm(); })});
     // Faster than after the last step: a speed that was set, or of a wall.
+    now_.given_speed = std::max(now_.given_speed, speed_of_walls);
+    speed_of_walls_ = speed_of_walls;
     if (fastest > now_.fastest) now_.given_speed = std::max(now_.given_speed, fastest);
     now_.highest_potential = std::max(now_.highest_potential, highest);
     now_.lowest_potential = std::min(now_.lowest_potential, -minus_lowest);
@@ -93,7 +97,8 @@ class FlowWatch {
         particles, std::array{double(count(particles, Kind::fluid)),
                               moving_wall == no_index ? 0.0 : 1.0});
     const double there =
-        kinetic_ + 0.5 * mass * number * (squared(speed_of_step_) + squared(disorder));
+        kinetic_ + 0.5 * mass * number *
+                       (squared(speed_of_step_) + squared(disorder) + squared(speed_of_walls_));
     if (moving_walls == 0 && kinetic > factor * there) {
       fail({"mps::Flow: the kinetic energy after the step, ", kinetic,
             " J, is more than ten times that before it and of the forces in it, ", there, " J; ",
@@ -129,6 +134,7 @@ class FlowWatch {
   State now_;
   double kinetic_ = 0;        // before the step [J]
   double speed_of_step_ = 0;  // |F| dt [m/s]
+  double speed_of_walls_ = 0;  // [m/s]
 };
 
 }  // namespace silt::mps

@@ -6,18 +6,11 @@
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/momentum_change.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
 
 
 namespace silt::mps {
-
-/// What changed the velocity of one particle.
-template <int Dim>
-struct MomentumChange {
-  Vec<Dim> position = Vec<Dim>::Zero();         ///< of the particle [m]
-  Vec<Dim> velocity_change = Vec<Dim>::Zero();  ///< by pressure, collisions and friction [m/s]
-  double pressure = 0;                          ///< [Pa]
-};
 
 /// Those of the particles in the last step, where they were when the pressure was found: some may
 /// have been removed since.

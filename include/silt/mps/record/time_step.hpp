@@ -3,6 +3,7 @@
 //
 //   Courant     Δt ≤ C l0 / max(|u|, speed_scale)
 //   force       Δt ≤ √(C l0 / max|F|)       for fluid at rest; F includes the body force
+//   walls       Δt ≤ C l0 / max|V|, and a twentieth of their period
 //   viscosity   Δt ≤ λ/(4 d ν)              half the stability limit, see viscous_limit()
 //   growth      Δt ≤ max_growth × previous Δt
 #pragma once
@@ -27,11 +28,14 @@ struct TimeStepLimits {
   double courant = infinite;  ///< from the maximum speed and speed_scale
   double force = infinite;    ///< from gravity and the body force, for fluid at rest
   double viscous = infinite;  ///< from the viscosity
+  double walls = infinite;    ///< from the speed and period of walls that move
   double growth = infinite;         ///< from the previous step
   double max_time_step = infinite;  ///< of FlowSettings
 
   /// The smallest limit [s].
-  double smallest() const { return std::min({courant, force, viscous, growth, max_time_step}); }
+  double smallest() const {
+    return std::min({courant, force, viscous, walls, growth, max_time_step});
+  }
   /// Which one is the smallest, and what to do about it.
   [[gnu::cold]] std::string name_of_smallest() const {
     const double dt = smallest();
@@ -39,6 +43,8 @@ struct TimeStepLimits {
     if (dt == viscous) return "FlowSettings: viscosity" + allow + "decrease it";
     if (dt == max_time_step) return "FlowSettings: max_time_step" + allow + "increase it";
     if (dt == force) return "the acceleration by gravity and body_force" + allow + "decrease it";
+    if (dt == walls)
+      return "the speed or the period of a moving wall" + allow + "decrease the speed";
     if (dt == growth) return "FlowSettings: max_growth" + allow + "begin with a longer time step";
     return "the speed of the particles, or FlowSettings: speed_scale," + allow + "decrease it";
   }

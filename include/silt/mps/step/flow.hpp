@@ -101,7 +101,9 @@ class BasicFlow {
   /// Limits of the next time step [s].
   template <FluidParticles P>
   TimeStepLimits time_step_limits(const P& particles) const {
-    return record_.time_step_limits(particles, settings_);
+    TimeStepLimits limits = record_.time_step_limits(particles, settings_);
+    limits.walls = operators_.longest_step(record_.time(), settings_.courant * settings_.spacing);
+    return limits;
   }
   template <FluidParticles P>
   double time_step(const P& particles) const {
@@ -161,24 +163,29 @@ class BasicFlow {
   }
 
   /// Number density, free surface, source, ∇²P = source, and u' = −(Δt/ρ) ∇P      (9), (16), (11)
-  /// Throws if the solve does not converge.
+  /// With bodies that an impact gives other velocities, once more with these. Throws if the solve does
+  /// not converge.
   template <FluidParticles P, class S>
   SolveReport project(P& particles, const S& search, double time_step) {
     timed(seconds_.neighbours, [&] { operators_.find_if_moved(particles, search); });
     const ScopedTimer in_pressure(seconds_.pressure);
     const auto step = view(particles, time_step);
-    pressure_.find_boundary(particles, operators_, settings_.surface);  // n (5), (13), (17)
-    particles.refresh_ghosts(velocity);
-    particles.refresh_ghosts(pressure);  // of the previous step
-    operators_.continue_flow(particles);
-    const PressureRise rise(step);
-    pressure_.solve(particles, step, rise, seconds_);
-    const MovesBeforeWalls moves(step, advection_);
-    const Real factor = -Real(time_step) / Real(settings_.density);
-    find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
-      return moves.change(i, factor * step.at(i).pressure_gradient(settings_.gradient, rise));
-    });
-    record_.find_momentum_changes(particles, operators_.walls(), changes_);
+    do {
+      pressure_.find_boundary(particles, operators_, settings_.surface);  // n (5), (13), (17)
+      particles.refresh_ghosts(velocity);
+      particles.refresh_ghosts(pressure);  // of the previous step
+      operators_.continue_flow(particles);
+      const PressureRise rise(step);
+      pressure_.solve(particles, step, rise, record_.time(), seconds_);
+      record_.find_work_of_walls(step, operators_.walls(), rise);
+      const MovesBeforeWalls moves(step, advection_);
+      const Real factor = -Real(time_step) / Real(settings_.density);
+      find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
+        return moves.change(i, factor * step.at(i).pressure_gradient(settings_.gradient, rise));
+      });
+      record_.find_momentum_changes(particles, operators_.walls(), changes_);
+    } while (operators_.change_velocities(particles, search, record_.momentum_changes(), settings_,
+                                          record_.time(), time_step));
     return pressure_.report();
   }
 
@@ -197,6 +204,8 @@ class BasicFlow {
     }
     advection_.move_rest(particles, Real(time_step));
     record_.end_step(particles, changes_, force_, time_step);
+    operators_.end_step(particles, record_.momentum_changes(), settings_, record_.time(),
+                        time_step);
   }
 
   /// Throws if a particle moved by more than a spacing in the step, or went through a wall that
@@ -209,13 +218,20 @@ class BasicFlow {
     record_.check_gains(particles, settings_, step);
   }
 
-  void save() noexcept { record_.save(); }
-  void restore() noexcept { record_.restore(); }
+  void save() {
+    record_.save();
+    operators_.save();
+  }
+  void restore() noexcept {
+    record_.restore();
+    operators_.restore();
+  }
   /// For a checkpoint, see core/transfer.hpp.
   template <class Archive>
   void transfer(Archive& archive) {
     archive.setup("settings", settings_.setup());
     record_.transfer(archive);
+    operators_.transfer(archive);
   }
 
  private:
@@ -234,11 +250,12 @@ class BasicFlow {
     advection_.begin();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
     check_positions(particles, operators_.stencil());
+    operators_.begin_step(record_.time(), time_step);
     timed(seconds_.neighbours, [&] { operators_.find(particles, search); });
     if (record_.is_first_step()) check_arrangement(particles, operators_, settings_.gravity);
     particles.refresh_ghosts(velocity);
     force_.find(particles, settings_.body_force, record_.time());
-    record_.begin_changes(particles, force_, time_step);
+    record_.begin_changes(particles, force_, time_step, operators_.max_speed_of_walls());
   }
 
   template <class P>

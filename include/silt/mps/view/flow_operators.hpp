@@ -78,6 +78,61 @@ class FlowOperators {
   /// The larger of the two effective radii [m].
   Real reach() const { return std::max(stencil_.re, laplacian_stencil_.re); }
 
+  /// Places walls that move where they are at the beginning of a step, at a time [s], of this
+  /// length [s].
+  void begin_step([[maybe_unused]] double time, [[maybe_unused]] double time_step) {
+    if constexpr (MovesWalls<Walls>) {
+      walls_.begin_step(time, time_step, double(stencil_.spacing));
+    }
+  }
+
+  /// The longest step of walls that move, from a time [s] on; infinite if there are none. They move
+  /// by at most `distance` [m].
+  double longest_step([[maybe_unused]] double time, [[maybe_unused]] double distance) const {
+    if constexpr (MovesWalls<Walls>) return walls_.longest_step(time, distance);
+    return std::numeric_limits<double>::infinity();
+  }
+  /// Of the fastest wall in the step [m/s].
+  double max_speed_of_walls() const {
+    if constexpr (MovesWalls<Walls>) return walls_.max_speed();
+    return 0;
+  }
+  /// Whether bodies move with other velocities in this step than so far, as the changes of the momentum of
+  /// the particles show; neighbours and walls are those of these velocities then.
+  template <class P, class S, class Changes>
+  [[gnu::cold]] bool change_velocities([[maybe_unused]] const P& particles,
+                                       [[maybe_unused]] const S& search,
+                                       [[maybe_unused]] const Changes& changes,
+                                       [[maybe_unused]] const Settings& settings,
+                                       [[maybe_unused]] double time,
+                                       [[maybe_unused]] double time_step) {
+    if constexpr (MovesWalls<Walls>) {
+      if (!walls_.change_velocities(particles, changes, settings, time, time_step)) return false;
+      find(particles, search);
+      return true;
+    }
+    return false;
+  }
+  /// Ends the step of bodies with its load.
+  template <class P, class Changes>
+  void end_step([[maybe_unused]] const P& particles, [[maybe_unused]] const Changes& changes,
+                [[maybe_unused]] const Settings& settings, [[maybe_unused]] double time,
+                [[maybe_unused]] double time_step) {
+    if constexpr (MovesWalls<Walls>) {
+      walls_.end_step(particles, changes, settings, time, time_step);
+    }
+  }
+  void save() {
+    if constexpr (MovesWalls<Walls>) walls_.save();
+  }
+  void restore() noexcept {
+    if constexpr (MovesWalls<Walls>) walls_.restore();
+  }
+  template <class Archive>
+  void transfer([[maybe_unused]] Archive& archive) {
+    if constexpr (MovesWalls<Walls>) archive.within("walls", [&] { walls_.transfer(archive); });
+  }
+
   /// Finds the neighbours from the search, and the walls.
   template <FluidParticles P, class S>
   void find(const P& particles, const S& search) {

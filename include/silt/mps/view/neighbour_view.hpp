@@ -78,8 +78,8 @@ class NeighbourView {
     operators_.for_each_image_in_laplacian(index_, g);
   }
   /// f(normal, height) for every plane of a wall of faces of which a point is straight below the
-  /// particle, within the effective radius: its unit normal towards the particle, whose distance from
-  /// it is the height [m].
+  /// particle, within the effective radius: its unit normal towards the particle, whose distance
+  /// from it is the height [m]. Or f(normal, height, velocity), with that of the wall [m/s].
   template <class F>
   void for_each_wall(F&& f) const {
     static_assert(requires { operators_.walls().for_each_wall(index_, f); },

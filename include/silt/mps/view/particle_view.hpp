@@ -91,8 +91,10 @@ class ParticleView
   /// ⟨∇P⟩_i over the neighbours with pressure [Pa/m]; in images, P rises as in fluid at rest.
   template <class G>
   Vec pressure_gradient(const G& gradient) const {
-    return pressure_gradient(
-        gradient, [weight = weight()](const auto& image) { return image.rise(weight); });
+    return pressure_gradient(gradient,
+                             [weight = weight(), rho = Real(density())](const auto& image) {
+                               return rise_at_rest(image, weight, rho);
+                             });
   }
   /// The same, with the pressures of images above those of their particles, rise_of(image) [Pa].
   template <class G, class RiseOf>

@@ -113,4 +113,22 @@ template <int Dim, class Real, class View, class Walls, class Flow, class U>
   return sum + sum_of(of_four);
 }
 
+/// ∮ P V·n dA over the walls that move, the part of particle i over its volume [W/m³]: the
+/// divergence of their velocity V, times the pressure half way to an image; rise(image) is as in
+/// PressureRise.
+template <int Dim, class Real, class View, class Walls, class Pressures, class Rise>
+[[gnu::cold]] double power_of_walls(const View& at, const Walls& walls, const Pressures& p,
+                                    const Rise& rise) {
+  const auto& stencil = at.stencil();
+  double power = 0;
+  walls.for_each_image(at.index(), stencil, [&](const auto& image) {
+    if (!image.motion) return;
+    const Real r = image.r_ij.norm();
+    const Real slope = -image.share * stencil.slope(r) / (r * stencil.slope_sum);
+    const Real half_way = (p[at.index()] + p[image.index] + rise(image)) / 2;
+    power -= double(slope * image.motion->velocity.dot(image.r_ij) * half_way);
+  });
+  return power;
+}
+
 }  // namespace silt::mps

@@ -25,7 +25,29 @@ class FacesNearParticles {
   using Vec = silt::Vec<Dim>;
 
   /// For the faces of this surface.
-  explicit FacesNearParticles(std::shared_ptr<const Faces<Dim>> faces) : faces_(std::move(faces)) {}
+  explicit FacesNearParticles(std::shared_ptr<Faces<Dim>> faces) : faces_(std::move(faces)) {}
+  FacesNearParticles(FacesNearParticles&&) noexcept = default;
+  FacesNearParticles& operator=(FacesNearParticles&&) noexcept = default;
+  /// Shares the faces, unless they move: two flows would move them.
+  FacesNearParticles(const FacesNearParticles& other)
+      : faces_(other.faces_),
+        reach_(other.reach_),
+        positions_(other.positions_),
+        around_(other.around_),
+        has_faces_(other.has_faces_),
+        sides_(other.sides_),
+        sees_all_(other.sees_all_) {
+    if (!faces_->move()) return;
+    faces_ = std::make_shared<Faces<Dim>>(*other.faces_);
+    for (MirrorsAround<Dim>& around : around_) around.refer_to(*faces_);
+  }
+  FacesNearParticles& operator=(const FacesNearParticles& other) {
+    return *this = FacesNearParticles(other);
+  }
+  ~FacesNearParticles() = default;
+
+  /// To be placed before find().
+  Faces<Dim>& moving_faces() noexcept { return *faces_; }
 
   /// The faces closer than reach [m] to each of the first particles, their number `owned`, of those at
   /// these positions, and whether they hide some of the others.
@@ -92,7 +114,7 @@ class FacesNearParticles {
     });
   }
 
-  std::shared_ptr<const Faces<Dim>> faces_;  // which around_ refers to
+  std::shared_ptr<Faces<Dim>> faces_;        // which around_ refers to
   double reach_ = 0;                         // [m]
   Buffer<Vec> positions_;
   Buffer<MirrorsAround<Dim>> around_;

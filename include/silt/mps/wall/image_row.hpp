@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/geometry/mirrors.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/wall/wall_motions.hpp>
 
 #include <Eigen/LU>
 
@@ -14,6 +15,14 @@
 #include <cstdint>
 
 namespace silt::mps {
+
+/// What walls that move add to the image of a particle.
+template <int Dim, class Real>
+struct MotionOfImage {
+  Vec<Dim, Real> velocity;      ///< to the mirrored velocity [m/s]
+  Vec<Dim, Real> sticking;      ///< to that in a flow that sticks to the walls [m/s]
+  Vec<Dim, Real> acceleration;  ///< its change in the last step, over Δt [m/s²]
+};
 
 /// The image of a particle in walls, as the sums over neighbours see it.
 template <int Dim, class RealType>
@@ -33,25 +42,42 @@ struct ImageOfParticle {
   bool is_reflection;       ///< by an odd number of faces
   /// ∇u at the particle, ∂u_a/∂x_b [1/s]; null if the flow is not continued.
   const Matrix* gradient;
+  const MotionOfImage<Dim, Real>* motion;  ///< null if the walls are at rest
 
   /// In sums over kinds it counts as a dummy.
   Kind kind(const auto&) const { return Kind::dummy; }
   /// The mirrored velocity, with which particles collide [m/s].
-  Vec mirrored(const auto& u) const { return multiply<Dim, Real>(rotation, Vec(u[index])); }
+  Vec mirrored(const auto& u) const {
+    const Vec of_walls_at_rest = multiply<Dim, Real>(rotation, Vec(u[index]));
+    return motion ? Vec(of_walls_at_rest + motion->velocity) : of_walls_at_rest;
+  }
   /// The velocity [m/s] in a flow that sticks to the walls.
-  Vec sticking(const auto& u) const { return is_reflection ? Vec(-u[index]) : Vec(u[index]); }
+  Vec sticking(const auto& u) const {
+    const Vec of_walls_at_rest = is_reflection ? Vec(-u[index]) : Vec(u[index]);
+    return motion ? Vec(of_walls_at_rest + motion->sticking) : of_walls_at_rest;
+  }
   /// Whether velocity(u) is that of the flow continued beyond the wall.
   bool continues_flow() const { return gradient != nullptr; }
   /// The mirrored velocity [m/s], without the jump that the flow towards the wall then has there.
   Vec velocity(const auto& u) const {
     if (!continues_flow()) return mirrored(u);
     const Vec at_wall = half_way(u);
-    return mirrored(u) + at_wall - multiply<Dim, Real>(rotation, at_wall);
+    // The motion of the walls would cancel.
+    return multiply<Dim, Real>(rotation, Vec(u[index])) + at_wall -
+           multiply<Dim, Real>(rotation, at_wall);
   }
-  /// ∫u·dx [m²/s] in the continued flow, if there is one, from the particle to its image.
-  Real rise_along(const auto& u) const { return half_way(u).dot(shift); }
-  /// Its pressure above that of the particle [Pa], for the gradient of the pressure [Pa/m].
-  Real rise(const Vec& of_pressure) const { return of_pressure.dot(shift); }
+  /// ∫u·dx in the continued flow relative to the walls, if there is one, from the particle to its
+  /// image [m²/s].
+  Real rise_along(const auto& u) const {
+    const Vec at_wall = half_way(u);
+    return motion ? Vec(at_wall - motion->velocity / 2).dot(shift) : at_wall.dot(shift);
+  }
+  /// Its pressure above that of the particle [Pa], where fluid of this density [kg/m³] moves with
+  /// the walls, for its weight per volume [Pa/m].
+  Real rise(const Vec& of_weight, Real density) const {
+    if (!motion) return of_weight.dot(shift);
+    return Vec(of_weight - density / 2 * motion->acceleration).dot(shift);
+  }
 
  private:
   Vec half_way(const auto& u) const {
@@ -84,7 +110,19 @@ class ImageRows {
     Mirror<Dim> mirror;
     Matrix rotation;
     bool is_reflection;
+    bool moves;            ///< whether a wall of it does
+    std::uint32_t motion;  ///< its number, if it moves
   };
+
+  /// What the motion of a mirror of row i, by its number, adds to the image of x. Not inlined: sums
+  /// over images are compiled many times, and few images move.
+  [[gnu::noinline]] void find_motion(Index i, std::uint32_t motion, const Vec<Dim>& x,
+                                     MotionOfImage<Dim, Real>& found) const {
+    const MotionOfMirror<Dim>& of_mirror = sets_[i / together].motions[motion];
+    found.velocity = of_mirror.slip.at(x).template cast<Real>();
+    found.sticking = of_mirror.stick.at(x).template cast<Real>();
+    found.acceleration = of_mirror.change.at(x).template cast<Real>();
+  }
 
   /// All rows are empty from now on.
   void clear(Index rows) {
@@ -92,6 +130,7 @@ class ImageRows {
     sets_.resize((rows + together - 1) / together);
     for (Set& set : sets_) {
       set.mirrors.clear();
+      set.motions.clear();
       set.parts.clear();
       set.places.clear();
     }
@@ -108,14 +147,14 @@ class ImageRows {
     set_of(i).places.push_back(
         {static_cast<std::uint32_t>(j), static_cast<float>(share), w, w / r2});
   }
-  /// Ends the images in a mirror.
-  void end_mirror(Index i, const Mirror<Dim>& mirror) {
+  /// Ends the images in a mirror, which moves like this; null: at rest.
+  void end_mirror(Index i, const Mirror<Dim>& mirror, const MotionOfMirror<Dim>* motion) {
     Set& set = set_of(i);
     Row& row = rows_[i];
     const std::uint32_t before = row.first == row.end ? row.places : set.parts[row.end - 1].end;
     const std::uint32_t end = size_of(set.places);
     if (end == before) return;
-    set.parts.push_back({number_of(set, mirror), end});
+    set.parts.push_back({number_of(set, mirror, motion), end});
     ++row.end;
   }
 
@@ -146,6 +185,7 @@ class ImageRows {
   };
   struct Set {
     Buffer<MirrorOfRow> mirrors;
+    Buffer<MotionOfMirror<Dim>> motions;
     Buffer<Part> parts;
     Buffer<Place> places;
   };
@@ -156,18 +196,25 @@ class ImageRows {
   }
   Set& set_of(Index i) { return sets_[i / together]; }
 
-  static std::uint32_t number_of(Set& set, const Mirror<Dim>& mirror) {
+  static std::uint32_t number_of(Set& set, const Mirror<Dim>& mirror,
+                                 const MotionOfMirror<Dim>* motion) {
+    const auto moves_alike = [&](const MirrorOfRow& known) {
+      if (known.moves != (motion != nullptr)) return false;
+      return motion == nullptr || set.motions[known.motion] == *motion;
+    };
     // Those that were added last are the most likely.
     constexpr std::uint32_t most = 8;
     const std::uint32_t size = size_of(set.mirrors);
     for (std::uint32_t k = 0; k < std::min(most, size); ++k) {
-      const Mirror<Dim>& known = set.mirrors[size - 1 - k].mirror;
-      if (known.translation == mirror.translation && known.rotation == mirror.rotation) {
+      const MirrorOfRow& known = set.mirrors[size - 1 - k];
+      if (known.mirror.translation == mirror.translation &&
+          known.mirror.rotation == mirror.rotation && moves_alike(known)) {
         return size - 1 - k;
       }
     }
-    set.mirrors.push_back({mirror, mirror.rotation.template cast<Real>(),
-                           mirror.rotation.determinant() < 0});
+    set.mirrors.push_back({mirror, mirror.rotation.template cast<Real>(), mirror.is_reflection(),
+                           motion != nullptr, size_of(set.motions)});
+    if (motion) set.motions.push_back(*motion);
     return size;
   }
 

@@ -17,6 +17,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string>
 
 namespace silt::mps::detail {
 
@@ -47,17 +48,25 @@ void require_distance_from_faces(const P& particles, const FacesNearParticles<Di
 }
 
 /// Throws if a particle has gone through a face since the faces near it were found.
-template <FluidParticles P, int Dim>
-void require_no_passage(const P& particles, const FacesNearParticles<Dim>& near) {
+/// name_of(group) names faces that move together.
+template <FluidParticles P, int Dim, class NameOf>
+void require_no_passage(const P& particles, const FacesNearParticles<Dim>& near, NameOf&& name_of) {
   const auto x = particles[position];
   const NearestImage nearest(particles.box());
+  const auto end_of = [&](Index k) -> Vec<Dim> {
+    const auto move = nearest(x[k] - near.position(k).template cast<typename P::Real>());
+    return near.position(k) + move.template cast<double>();
+  };
+  const bool moves = near.faces().move();
   const Index i = first_where(particles.size(), [&](Index k) {
     if (!near.has_faces(k)) return false;
-    const auto move = nearest(x[k] - near.position(k).template cast<typename P::Real>());
-    return !(near[k].visible_share(near.position(k) + move.template cast<double>()) > 0);
+    if (moves) return near[k].face_passed(end_of(k)) < near.faces().elements().size();
+    return !(near[k].visible_share(end_of(k)) > 0);
   });
   if (i == no_index) return;
-  fail({"ImageWalls: a particle went through a wall, from ", near.position(i), " to ", x[i],
+  const std::string wall =
+      moves ? name_of(near.faces()[near[i].face_passed(end_of(i))].group) : "a wall";
+  fail({"ImageWalls: a particle went through ", wall, ", from ", near.position(i), " to ", x[i],
         " m; reduce the time step, or let particles collide with the walls"},
        {.particle = i, .id = particles.id(i)});
 }

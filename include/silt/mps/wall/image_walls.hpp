@@ -18,9 +18,12 @@
 #include <silt/mps/wall/image_row.hpp>
 #include <silt/mps/wall/image_search.hpp>
 #include <silt/mps/wall/image_wall_checks.hpp>
+#include <silt/mps/wall/wall_motions.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -45,6 +48,8 @@ struct ImageWalls {
 
   std::vector<Face<2>> segments = {};   ///< in 2D, see polyline() in silt/geometry/shapes.hpp
   std::vector<Face<3>> triangles = {};  ///< in 3D, see faces_of()
+  AnyMovingWalls<2> moving_2d = {};     ///< in 2D, further walls that move: MovingWalls
+  AnyMovingWalls<3> moving_3d = {};     ///< in 3D
   /// Whether fluid may begin where nothing holds it against gravity. Otherwise the first step
   /// throws if there are no faces, or if no face is below a body of fluid at rest.
   bool let_fluid_fall = false;
@@ -61,6 +66,13 @@ struct ImageWalls {
     if constexpr (Dim == 3) return triangles;
   }
 
+  /// Those of the dimension.
+  template <int Dim>
+  const AnyMovingWalls<Dim>& moving() const {
+    if constexpr (Dim == 2) return moving_2d;
+    if constexpr (Dim == 3) return moving_3d;
+  }
+
   /// Of all corners, for checkpoints.
   std::uint64_t checksum() const {
     PointChecksum all;
@@ -72,6 +84,8 @@ struct ImageWalls {
     };
     add(segments);
     add(triangles);
+    moving_2d.add_to(all);
+    moving_3d.add_to(all);
     return all.sum();
   }
 
@@ -89,9 +103,90 @@ class ImageWalls::InFlow {
   /// Throws if there are faces of the other dimension, or if a face has a corner that is not
   /// finite, or no length or area.
   explicit InFlow(const ImageWalls& walls)
-      : near_(faces_of_flow(walls)), lets_fluid_fall_(walls.let_fluid_fall) {}
+      : near_(faces_of_flow(walls)),
+        lets_fluid_fall_(walls.let_fluid_fall),
+        motions_(walls.template moving<Dim>().mover()) {
+    if (!motions_.empty()) motions_->place(near_.moving_faces());
+  }
 
+  /// Where they were at the beginning of the last step.
   const Faces<Dim>& faces() const noexcept { return near_.faces(); }
+  /// f(face, group, velocity) for each face where it is now: after the last step, or before the
+  /// first one. Group 0 is at rest; then follow the moving faces, and the bodies. The velocity
+  /// [m/s] is the mean one in the last step, at the middle of the face.
+  template <class F>
+  void for_each_face(F&& f) const {
+    for (const auto& element : faces().elements()) {
+      Face<Dim> face = element.face;
+      silt::Vec<Dim> middle = silt::Vec<Dim>::Zero();
+      for (silt::Vec<Dim>& corner : face.corners) {
+        middle += corner / Dim;
+        if (element.group > 0) corner = faces().step_of(element.group).move.x_of(corner);
+      }
+      f(face, element.group, motions_.velocity_at(element.group, middle));
+    }
+  }
+
+  /// Places walls that move where they are at the beginning of a step, at a time [s], of this
+  /// length [s]. Spacing l0 in [m].
+  void begin_step(double time, double time_step, double spacing) {
+    if (!motions_.empty()) motions_->begin_step(time, time_step, spacing, near_.moving_faces());
+  }
+
+  /// The bodies, in the order of MovingWalls::bodies. Throws if there are no moving walls.
+  const std::vector<BodyInFlow<Dim>>& bodies() const {
+    if (motions_.empty()) {
+      fail({"ImageWalls: there are no bodies; give moving_", Dim, "d = MovingWalls<", Dim,
+            ">{.bodies = …}"});
+    }
+    return motions_->bodies();
+  }
+  /// See WallMover::change_velocities(): the flow's density [kg/m³], gravity and body force [m/s²], and
+  /// when the step began [s].
+  template <FluidParticles P, class Settings>
+  [[gnu::cold]] bool change_velocities(const P& particles,
+                                       const Buffer<MomentumChange<Dim>>& changes,
+                                       const Settings& settings, double time, double time_step) {
+    if (motions_.empty() || motions_->number_of_bodies() == 0) return false;
+    bool is_changed = false;
+    with_flow(particles, changes, settings, {time, time_step}, [&](const FlowOfStep<Dim>& flow) {
+      is_changed = motions_->change_velocities(flow, near_.moving_faces());
+    });
+    return is_changed;
+  }
+  /// See WallMover::end_step().
+  template <FluidParticles P, class Settings>
+  void end_step(const P& particles, const Buffer<MomentumChange<Dim>>& changes,
+                const Settings& settings, double time, double time_step) {
+    if (motions_.empty()) return;
+    with_flow(particles, changes, settings, {time, time_step},
+              [&](const FlowOfStep<Dim>& flow) { motions_->end_step(flow); });
+  }
+  /// Of the walls that move, from a time [s] on: see WallMover::longest_step(); the distance is in
+  /// [m].
+  double longest_step(double time, double distance) const {
+    if (motions_.empty()) return std::numeric_limits<double>::infinity();
+    return motions_->longest_step(time, distance);
+  }
+  /// Of the fastest wall in the step [m/s].
+  double max_speed() const { return motions_.empty() ? 0 : motions_->max_speed(); }
+  void save() { motions_.save(); }
+  void restore() noexcept {
+    motions_.restore();
+    if (!motions_.empty()) motions_->place(near_.moving_faces());
+  }
+  /// What the next step needs of the last one, for a checkpoint.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    motions_.transfer(archive);
+    if constexpr (Archive::reads) {
+      if (!motions_.empty()) motions_->place(near_.moving_faces());
+    }
+  }
+  /// The number of bodies, whose groups of faces are the last ones.
+  std::size_t number_of_bodies() const {
+    return motions_.empty() ? 0 : motions_->number_of_bodies();
+  }
 
   /// Finds the faces near each particle, and the images that it sees. Throws if a particle is not
   /// fluid or on a face, or if a wall ends at a periodic side.
@@ -106,6 +201,7 @@ class ImageWalls::InFlow {
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all are located
     near_.find(x, particles.size(), reach);
+    if (near_.faces().move()) find_dry_groups(particles);
     detail::require_distance_from_faces(particles, near_, spacing_);
     images_.clear(particles.size());
     const auto& stencil = operators.stencil();
@@ -137,12 +233,20 @@ class ImageWalls::InFlow {
   /// Whether this is 1 for all neighbours.
   bool sees_all(Index i) const { return near_.sees_all(i); }
 
-  /// f(normal, height), see NeighbourView::for_each_wall().
+  /// f(normal, height) or f(normal, height, velocity), see NeighbourView::for_each_wall().
   template <class F>
   void for_each_wall(Index i, F&& f) const {
-    near_[i].for_each_plane_below([&](const silt::Vec<Dim>& normal, double height) {
-      f(Vec(normal.template cast<Real>()), Real(height));
-    });
+    near_[i].for_each_plane_below(
+        [&](const silt::Vec<Dim>& normal, double height, std::uint32_t group) {
+          const Vec n = normal.template cast<Real>();
+          if constexpr (std::invocable<F&, const Vec&, Real, const Vec&>) {
+            const silt::Vec<Dim> foot = near_.position(i) - height * normal;
+            const silt::Vec<Dim> of_wall = motions_.velocity_at(group, foot);
+            f(n, Real(height), Vec(of_wall.template cast<Real>()));
+          } else {
+            f(n, Real(height));
+          }
+        });
   }
 
   /// Finds the images of those that see all of their neighbours: the images that they see are of
@@ -156,7 +260,8 @@ class ImageWalls::InFlow {
     for_each_of_images([&](Index i) {
       if (!near_.sees_all(i)) return;
       const auto row = neighbourhood[i];
-      add_images(images_, near_, i, std::span<const std::uint32_t>(row.index, row.size()), stencil);
+      add_images(images_, near_, i, std::span<const std::uint32_t>(row.index, row.size()), stencil,
+                 motions_);
     });
   }
 
@@ -185,9 +290,12 @@ class ImageWalls::InFlow {
       if (!(w > 0)) return;
       const Vec shift = (image - x_j).template cast<Real>();
       const auto& flow = flow_[owners_[place.index]];
+      MotionOfImage<Dim, Real> motion;
+      if (in_mirror.moves) images_.find_motion(i, in_mirror.motion, x_j, motion);
       f(ImageOfParticle<Dim, Real>{place.index, r_ij, w, w_r2, Real(place.share),
                                    in_mirror.rotation, shift, in_mirror.is_reflection,
-                                   flow.is_beyond_walls ? &flow.gradient.value : nullptr});
+                                   flow.is_beyond_walls ? &flow.gradient.value : nullptr,
+                                   in_mirror.moves ? &motion : nullptr});
     });
   }
 
@@ -195,6 +303,13 @@ class ImageWalls::InFlow {
   template <class View, class U>
   Real divergence(const View& at, const U& u) const {
     return divergence_with_images<Dim, Real>(at, *this, flow_[at.index()], u);
+  }
+  /// Whether there are walls that move.
+  bool move() const { return !motions_.empty(); }
+  /// See power_of_walls().
+  template <class View, class Pressures, class Rise>
+  double power(const View& at, const Pressures& p, const Rise& rise) const {
+    return near_.has_faces(at.index()) ? power_of_walls<Dim, Real>(at, *this, p, rise) : 0;
   }
   bool is_dry(const auto&) const { return false; }
   bool has_pressure(Kind, bool) const { return true; }
@@ -224,10 +339,55 @@ class ImageWalls::InFlow {
   template <FluidParticles P>
   void check_moves(const P& particles) const {
     if (particles.owned_revision() != revision_ || particles.size() != near_.size()) return;
-    detail::require_no_passage(particles, near_);
+    detail::require_no_passage(particles, near_,
+                               [&](std::uint32_t group) { return motions_->name_of(group); });
   }
 
  private:
+  template <class P>
+  [[gnu::cold]] void find_dry_groups(const P& particles) {
+    Faces<Dim>& faces = near_.moving_faces();
+    for (std::uint32_t group = 1; group <= faces.groups(); ++group) {
+      const Index wet = first_where(near_.size(), [&](Index i) {
+        if (!near_.has_faces(i)) return false;
+        const auto near = near_[i].faces();
+        return std::any_of(near.begin(), near.end(),
+                           [&](std::uint32_t k) { return faces[k].group == group; });
+      });
+      faces.set_dry(group, !silt::detail::any_of_all(particles, wet != no_index));
+    }
+  }
+  struct Duration {
+    double time;       // when the step began [s]
+    double time_step;  // [s]
+  };
+  template <class P, class Settings, class F>
+  [[gnu::cold]] void with_flow(const P& particles, const Buffer<MomentumChange<Dim>>& changes,
+                               const Settings& settings, const Duration& step, F&& f) {
+    const auto& box = particles.box();
+    const auto acceleration = [&](const silt::Vec<Dim>& x) -> silt::Vec<Dim> {
+      if (!settings.body_force) return settings.gravity;
+      return settings.gravity + settings.body_force(x, step.time);
+    };
+    const auto sum = [&](const silt::Vec<6>& own) {
+      return silt::detail::sum_of_all(particles, own);
+    };
+    const auto maximum = [&](const std::array<double, 2>& own) {
+      return silt::detail::largest_of_all(particles, own);
+    };
+    f(FlowOfStep<Dim>{.near = near_,
+                      .changes = changes,
+                      .box = {.lower = box.lower.template cast<double>(),
+                              .upper = box.upper.template cast<double>(),
+                              .periodic = box.periodic},
+                      .density = settings.density,
+                      .acceleration = acceleration,
+                      .spacing = spacing_,
+                      .time = step.time,
+                      .time_step = step.time_step,
+                      .sum = sum,
+                      .maximum = maximum});
+  }
   // f(i) for those near faces, in parallel as images_ allows.
   template <class F>
   void for_each_of_images(F&& f) {
@@ -248,25 +408,30 @@ class ImageWalls::InFlow {
     candidates.clear();
     search.for_each_neighbour(
         i, [](Index j, const auto&, auto) { candidates.push_back(std::uint32_t(j)); });
-    add_images(images_, near_, i, std::span<const std::uint32_t>(candidates), stencil);
+    add_images(images_, near_, i, std::span<const std::uint32_t>(candidates), stencil, motions_);
   }
-  static std::shared_ptr<const Faces<Dim>> faces_of_flow(const ImageWalls& walls) {
+  static std::shared_ptr<Faces<Dim>> faces_of_flow(const ImageWalls& walls) {
     if constexpr (Dim == 2) {
       refuse_others("triangles", walls.triangles.size(), "segments");
+      refuse_others("moving_3d", walls.moving_3d.groups().size(), "moving_2d");
     } else {
       refuse_others("segments", walls.segments.size(), "triangles");
+      refuse_others("moving_2d", walls.moving_2d.groups().size(), "moving_3d");
     }
-    return std::make_shared<const Faces<Dim>>("ImageWalls", walls.template faces<Dim>());
+    return std::make_shared<Faces<Dim>>("ImageWalls", walls.template faces<Dim>(),
+                                        walls.template moving<Dim>().groups());
   }
   static void refuse_others(const std::string& others, std::size_t number,
                             const std::string& those_of_flow) {
     if (number == 0) return;
-    fail({"ImageWalls: ", others, " = ", number, " faces in a flow in ", Dim, "D, whose walls are ",
-          those_of_flow, "; remove them"});
+    fail({"ImageWalls: ", others, " = ", number,
+          others.starts_with("moving") ? " groups" : " faces", " in a flow in ", Dim,
+          "D, whose walls are ", those_of_flow, "; remove them"});
   }
 
   FacesNearParticles<Dim> near_;
   bool lets_fluid_fall_;
+  WallMotions<Dim> motions_;
   double spacing_ = 0;          // l0 [m]
   std::uint64_t revision_ = 0;  // of the particles at the positions of near_
   ImageRows<Dim, Real> images_;

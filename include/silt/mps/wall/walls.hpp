@@ -102,7 +102,8 @@ struct BothContinueFlow : W, HasContinueFlow {};
 ///
 ///   rise(g)           its pressure above that of the particle [Pa] if the pressure has the
 ///   gradient
-///                     g [Pa/m]
+///                     g [Pa/m]; of walls that move rise(g, density) instead, in fluid of this
+///                     density [kg/m³] that moves with them
 ///   mirrored(u)       the mirrored velocity [m/s], with which particles collide
 ///   continues_flow()  whether velocity(u) is that of the flow continued beyond the wall, instead
 ///                     of the mirrored one
@@ -112,11 +113,35 @@ template <class W>
 concept AddsImages =
     !std::is_final_v<W> && !requires { &detail::BothForEachImage<W>::for_each_image; };
 
+/// The pressure of an image above that of its particle [Pa], in fluid of this density [kg/m³] and
+/// weight per volume [Pa/m] that is at rest, or moves with the walls.
+template <class Image, class Vec, class Real>
+Real rise_at_rest(const Image& image, const Vec& weight, Real density) {
+  if constexpr (requires { image.rise(weight, density); }) {
+    return image.rise(weight, density);
+  } else {
+    return image.rise(weight);
+  }
+}
+
 /// Walls with images that also have continue_flow(particles, operators), called before the pressure
 /// equation is assembled, except with sources that need moved particles: images may then continue
 /// the flow of the velocities u* until the pressure has changed them.
 template <class W>
 concept ContinuesFlow = AddsImages<W> && !requires { &detail::BothContinueFlow<W>::continue_flow; };
+
+/// Walls that may move: begin_step(time, time_step, spacing) is called first in a step,
+/// longest_step(time, distance) limits the time step, max_speed() is that of a wall in the step
+/// [m/s]. save(), restore() and transfer(archive) as in an interaction.
+template <class W>
+concept MovesWalls = requires(W walls, const W found, double t) {
+  walls.begin_step(t, t, t);
+  { found.longest_step(t, t) } -> std::same_as<double>;
+  { found.max_speed() } -> std::same_as<double>;
+  { found.move() } -> std::same_as<bool>;
+  walls.save();
+  walls.restore();
+};
 
 /// Wall models with all_have_pressure = true: has_pressure() of theirs is always true, and is not
 /// looked up for every neighbour.

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: MIT
+// The load of a fluid on walls of faces, from what changed the momentum of its particles.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/buffer.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/processes.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/faces.hpp>
+#include <silt/geometry/line_of_sight.hpp>
+#include <silt/geometry/rigid_body.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace silt {
+
+/// What all particles of a fluid have in common.
+struct FluidOfLoad {
+  double density;    ///< [kg/m³]
+  double spacing;    ///< l0 [m]
+  double time_step;  ///< that of the changes of momentum [s]
+};
+
+/// Bounds of faces, outside of which no line along an axis meets one.
+template <int Dim>
+struct BoundsOfFaces {
+  Vec<Dim> lower = Vec<Dim>::Constant(std::numeric_limits<double>::infinity());   ///< [m]
+  Vec<Dim> upper = Vec<Dim>::Constant(-std::numeric_limits<double>::infinity());  ///< [m]
+
+  /// Extends them to the corners of a face.
+  void enclose(const Face<Dim>& face) {
+    for (const Vec<Dim>& corner : face.corners) {
+      lower = lower.cwiseMin(corner);
+      upper = upper.cwiseMax(corner);
+    }
+  }
+  /// Whether a line from x along an axis may meet a face in these bounds.
+  bool may_be_met(const Vec<Dim>& x, int axis) const {
+    for (int k = 0; k < Dim; ++k) {
+      if (k != axis && !(lower[k] <= x[k] && x[k] <= upper[k])) return false;
+    }
+    return true;
+  }
+};
+
+/// Force and torque of the fluid on the walls that a particle sees along the axes. The integral of
+/// P n over the walls that are first seen along an axis is that of ψ ∂P + P ∂ψ over the fluid which
+/// sees them, with derivatives along the axis, where ψ is 1 on these walls, 0 on those in the
+/// opposite direction and linear between both, or 1 if there are none. For ∂P stands −ρ times the
+/// acceleration. Refers to the walls.
+template <int Dim>
+class FluidLoad {
+ public:
+  using Vec = silt::Vec<Dim>;
+
+  /// A wall that a particle sees.
+  struct SeenWall {
+    Direction direction;
+    SeenFace face;
+    Vec foot;  ///< where the line meets it [m]
+  };
+
+  /// For walls in a box, where they were when the fluid had these changes of momentum.
+  template <class Real>
+  FluidLoad(const Faces<Dim>& walls, const Box<Dim, Real>& box, const FluidOfLoad& fluid)
+      : walls_(walls),
+        box_{.lower = box.lower.template cast<double>(),
+             .upper = box.upper.template cast<double>(),
+             .periodic = box.periodic},
+        spacing_(fluid.spacing),
+        volume_(std::pow(fluid.spacing, Dim)),
+        momentum_(fluid.density * volume_ / fluid.time_step) {
+    // Off a lattice, where lines would pass through edges that parts of a wall have in common.
+    aside_ = 1e-7 * spacing_ * Vec::Ones();
+    for (int k = 0; k < Dim; ++k) aside_[k] /= std::sqrt(k + 2);
+  }
+
+  /// The walls and the box that it was made for.
+  const Faces<Dim>& walls() const { return walls_; }
+  const Box<Dim>& box() const { return box_; }
+
+  /// The load by all particles of this process, whose changes have the members of
+  /// mps::MomentumChange, and its torque about a point [m]. share_of(x, seen_wall) is the share [-]
+  /// of the load on a wall, seen from x, that counts; 0 at an infinite distance. Outside of the
+  /// bounds nothing does.
+  template <class Change, class ShareOf>
+  BodyLoad<Dim> sum(const Buffer<Change>& changes, const BoundsOfFaces<Dim>& bounds,
+                    const Vec& about, ShareOf&& share_of) const {
+    return in_body(ordered_sum(changes.size(), zero_of<Numbers>(), [&](Index i) {
+      return in_row(by(changes[i], bounds, about, share_of));
+    }));
+  }
+  /// The sum of the loads of all processes.
+  template <class P>
+  static BodyLoad<Dim> sum_of_all(const P& particles, const BodyLoad<Dim>& own) {
+    return in_body(silt::detail::sum_of_all(particles, in_row(own)));
+  }
+
+ private:
+  using Numbers = silt::Vec<Dim + angular_size<Dim>>;
+
+  static Numbers in_row(const BodyLoad<Dim>& load) {
+    Numbers row;
+    for (int k = 0; k < Dim; ++k) row[k] = load.force[k];
+    for (int k = 0; k < angular_size<Dim>; ++k) row[Dim + k] = component(load.torque, k);
+    return row;
+  }
+  static BodyLoad<Dim> in_body(const Numbers& row) {
+    BodyLoad<Dim> load;
+    for (int k = 0; k < Dim; ++k) load.force[k] = row[k];
+    for (int k = 0; k < angular_size<Dim>; ++k) component(load.torque, k) = row[Dim + k];
+    return load;
+  }
+  template <class Change, class ShareOf>
+  BodyLoad<Dim> by(const Change& change, const BoundsOfFaces<Dim>& bounds, const Vec& about,
+                   ShareOf&& share_of) const {
+    BodyLoad<Dim> load;
+    const Vec x = change.position + aside_;
+    for (int axis = 0; axis < Dim; ++axis) {
+      if (!bounds.may_be_met(x, axis)) continue;
+      const std::array seen{in({axis, -1}, x), in({axis, 1}, x)};
+      const double gap = seen[0].face.distance + seen[1].face.distance;
+      double push = 0;
+      for (const std::size_t side : {0u, 1u}) {
+        const double counts = share_of(x, seen[side]);
+        if (counts == 0) continue;
+        const double sign = side == 0 ? -1 : 1;
+        const double share = is_finite(gap) ? seen[1 - side].face.distance / gap : 1;
+        push += counts * (sign * volume_ * change.pressure / gap -
+                          share * momentum_ * change.velocity_change[axis]);
+      }
+      Vec along = Vec::Zero();
+      along[axis] = push;
+      load.force[axis] += push;
+      load.torque += cross(Vec(x - about), along);
+    }
+    return load;
+  }
+  SeenWall in(const Direction& direction, const Vec& x) const {
+    SeenWall seen{direction, first_face_in(box_, walls_, x, direction), x};
+    if (is_finite(seen.face.distance)) {
+      seen.foot[direction.axis] += direction.sign * seen.face.distance;
+    }
+    return seen;
+  }
+
+  const Faces<Dim>& walls_;
+  Box<Dim> box_;
+  double spacing_;   // [m]
+  double volume_;    // of a particle [m³]
+  double momentum_;  // of a particle per velocity, over Δt [kg/s]
+  Vec aside_;
+};
+
+}  // namespace silt

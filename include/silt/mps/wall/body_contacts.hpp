@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: MIT
+// Contacts of floating bodies with walls and with each other.
+#pragma once
+
+#include <silt/core/buffer.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/close_faces.hpp>
+#include <silt/geometry/faces.hpp>
+#include <silt/mps/wall/body_in_flow.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace silt::mps {
+
+/// Keeps bodies a spacing l0 apart from walls and from each other, as the flow between closer faces
+/// is not resolved: where a step would bring faces closer, impulses along the line between their
+/// closest points end the approach, without rebound and without friction. They are found one after
+/// another, as often as it takes (projected Gauss–Seidel), and change the momentum of the bodies.
+template <int Dim>
+class BodyContacts {
+ public:
+  using Vec = silt::Vec<Dim>;
+
+  /// Changes the velocities of the bodies before a step of this length [s]. The faces are where the
+  /// step begins; group_of_body(b) is the group of a body, velocity_of(group, x) that of other
+  /// faces.
+  template <class GroupOfBody, class VelocityOf>
+  void end_approaches(std::vector<BodyInFlow<Dim>>& bodies, const Faces<Dim>& faces, double spacing,
+                      double time_step, GroupOfBody&& group_of_body, VelocityOf&& velocity_of) {
+    contacts_.clear();
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const std::uint32_t first_body = group_of_body(0);
+      // A particle between them moves by less than a spacing in a step, and so do they.
+      for_each_close_pair(
+          faces, group_of_body(b), 3 * spacing, [&](std::uint32_t own, std::uint32_t other) {
+            const std::uint32_t group = faces[other].group;
+            const bool is_of_body = group >= first_body;
+            if (is_of_body && group < group_of_body(b)) return;  // found from the other one
+            Contact contact;
+            contact.body = b;
+            contact.other = is_of_body ? group - first_body : bodies.size();
+            for_each_closest_points(
+                faces[own].face, faces[other].face, [&](const Vec& x, const Vec& y) {
+                  const double distance = (x - y).norm();
+                  if (!(distance < 3 * spacing)) return;
+                  if (distance > 1e-6 * spacing) {
+                    contact.normal = (x - y) / distance;
+                  } else if (!find_normal(faces[own], faces[other], spacing, contact.normal)) {
+                    return;
+                  }
+                  contact.x = x;
+                  contact.y = y;
+                  contact.velocity_of_wall = is_of_body ? Vec(Vec::Zero()) : velocity_of(group, y);
+                  // The faces may come closer by this in the step, and never less than now.
+                  contact.approach = std::max(0.0, distance - spacing) / time_step;
+                  if (!is_known(contact, spacing)) contacts_.push_back(contact);
+                });
+          });
+    }
+    if (contacts_.empty()) return;
+    // Of the momentum first, then of the faces, which the fluid lets change less.
+    for (const Of which : {Of::body, Of::faces}) {
+      for (Contact& contact : contacts_) {
+        double mobility = bodies[contact.body].mobility(which, contact.x, contact.normal);
+        if (contact.other < bodies.size()) {
+          mobility += bodies[contact.other].mobility(which, contact.y, contact.normal);
+        }
+        contact.mass = mobility > 0 ? 1 / mobility : 0;
+        contact.impulse = 0;
+      }
+      for (int k = 0; k < max_iterations; ++k) {
+        double largest_change = 0;
+        for (Contact& contact : contacts_) {
+          largest_change = std::max(largest_change, push(which, bodies, contact));
+        }
+        if (largest_change < 1e-9 * spacing / time_step) break;
+      }
+    }
+  }
+
+ private:
+  using Of = typename BodyInFlow<Dim>::Of;
+  static constexpr int max_iterations = 200;
+
+  struct Contact {
+    std::size_t body = 0;
+    std::size_t other = 0;               // body, or that of all if it is a wall
+    Vec x = Vec::Zero();                 // on the body [m]
+    Vec y = Vec::Zero();                 // on the other one [m]
+    Vec normal = Vec::Zero();            // from there to the body [-]
+    Vec velocity_of_wall = Vec::Zero();  // [m/s]
+    double approach = 0;                 // the fastest that is allowed [m/s]
+    double mass = 0;                     // that an impulse moves [kg]
+    double impulse = 0;                  // so far [N s]
+  };
+
+  // Of faces that touch: towards the middle of the body's one.
+  static bool find_normal(const FaceOfSurface<Dim>& own, const FaceOfSurface<Dim>& other,
+                          double spacing, Vec& normal) {
+    const auto height_of = [](const FaceOfSurface<Dim>& plane, const FaceOfSurface<Dim>& face) {
+      Vec middle = Vec::Zero();
+      for (const Vec& corner : face.face.corners) middle += corner / Dim;
+      return plane.height(middle);
+    };
+    const double of_own = height_of(other, own), of_other = height_of(own, other);
+    const double height = std::abs(of_own) > std::abs(of_other) ? of_own : of_other;
+    if (std::abs(height) < 1e-6 * spacing) return false;  // one slides along the other
+    if (height == of_own) {
+      normal = height > 0 ? other.normal : Vec(-other.normal);
+    } else {
+      normal = height > 0 ? Vec(-own.normal) : own.normal;
+    }
+    return true;
+  }
+  // Faces have common corners, and edges.
+  bool is_known(const Contact& contact, double spacing) const {
+    return std::any_of(contacts_.begin(), contacts_.end(), [&](const Contact& known) {
+      return known.body == contact.body && known.other == contact.other &&
+             (known.x - contact.x).norm() < 1e-6 * spacing &&
+             (known.y - contact.y).norm() < 1e-6 * spacing &&
+             known.normal.dot(contact.normal) > 0.999;
+    });
+  }
+  // The change of the relative velocity [m/s].
+  static double push(Of which, std::vector<BodyInFlow<Dim>>& bodies, Contact& contact) {
+    BodyInFlow<Dim>& body = bodies[contact.body];
+    const bool has_other = contact.other < bodies.size();
+    const Vec relative =
+        body.velocity_at(which, contact.x) -
+        (has_other ? bodies[contact.other].velocity_at(which, contact.y)
+                   : contact.velocity_of_wall);
+    const double too_fast = -contact.approach - relative.dot(contact.normal);
+    const double impulse = std::max(contact.impulse + contact.mass * too_fast, 0.0);
+    const double change = impulse - contact.impulse;
+    if (change == 0) return 0;
+    contact.impulse = impulse;
+    body.push(which, contact.x, Vec(change * contact.normal));
+    if (has_other) bodies[contact.other].push(which, contact.y, Vec(-change * contact.normal));
+    return std::abs(change) / contact.mass;
+  }
+
+  Buffer<Contact> contacts_;
+};
+
+}  // namespace silt::mps

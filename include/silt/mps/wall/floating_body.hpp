@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// A rigid body that floats in a flow, as a user describes it.
+#pragma once
+
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+#include <silt/geometry/mass_properties.hpp>
+#include <silt/geometry/rigid_body.hpp>
+
+#include <array>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <vector>
+
+namespace silt::mps {
+
+namespace detail {
+
+// Not a call where it is used: g++ 12 fails in nested lists with default initialisers that call.
+template <int Dim>
+inline const AngularVec<Dim> no_spin = zero_of<AngularVec<Dim>>();
+
+}  // namespace detail
+
+/// A rigid body whose surface is a wall of the flow.
+template <int Dim>
+struct FloatingBody {
+  std::vector<Face<Dim>> faces = {};         ///< closed, all normals outwards or all inwards
+  double density = 0;                        ///< [kg/m³], above 0; or give mass_properties
+  std::optional<MassProperties<Dim>> mass_properties{};  ///< instead of the density
+  Vec<Dim> velocity = Vec<Dim>::Zero();      ///< of the centre of mass at first [m/s]
+  AngularVec<Dim> spin = detail::no_spin<Dim>;  ///< at first [1/s]
+  /// Along these axes it keeps its first velocity, whatever the load.
+  std::array<bool, std::size_t(Dim)> is_held = {};
+  bool keeps_orientation = false;  ///< it does not turn
+  /// Load of springs, moorings and the like, at a time [s]; none if empty. It must be a function of
+  /// state and time only: after a restart, and on other processes, it is called again.
+  std::function<BodyLoad<Dim>(const BodyState<Dim>&, double time)>
+      load{};  // not = {}: g++ 12 fails then
+};
+
+}  // namespace silt::mps

@@ -1,0 +1,449 @@
+// SPDX-License-Identifier: MIT
+// Walls of a flow that move, and bodies that float in it.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/buffer.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/function_ref.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/rotation.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/any_rigid_motion.hpp>
+#include <silt/geometry/close_faces.hpp>
+#include <silt/geometry/face.hpp>
+#include <silt/geometry/faces.hpp>
+#include <silt/geometry/given_motions.hpp>
+#include <silt/geometry/mirror_rate.hpp>
+#include <silt/geometry/point_checksum.hpp>
+#include <silt/geometry/rigid_body.hpp>
+#include <silt/geometry/rigid_motion.hpp>
+#include <silt/mps/wall/body_contacts.hpp>
+#include <silt/mps/wall/body_coupling.hpp>
+#include <silt/mps/wall/body_in_flow.hpp>
+#include <silt/mps/wall/floating_body.hpp>
+#include <silt/mps/wall/load_on_group.hpp>
+#include <silt/mps/wall/wall_motions.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::mps {
+
+/// Faces of the walls of a flow that move together, as a rigid body.
+template <int Dim>
+struct MovingFaces {
+  std::vector<Face<Dim>> faces;  ///< where they are defined, see Pose
+  AnyRigidMotion<Dim> motion = {};  ///< a RigidMotion, such as Translation, Rotation or Vibration
+};
+
+/// The moving walls of a flow: ImageWalls::moving_2d or moving_3d. Their groups are numbered from 1 on,
+/// first those of the faces, then those of the bodies.
+template <int Dim>
+struct MovingWalls {
+  std::vector<MovingFaces<Dim>> faces = {};
+  std::vector<FloatingBody<Dim>> bodies = {};  ///< moved by the fluid
+
+  /// See AnyMovingWalls.
+  std::vector<std::vector<Face<Dim>>> groups() const {
+    std::vector<std::vector<Face<Dim>>> all;
+    for (const MovingFaces<Dim>& group : faces) all.push_back(group.faces);
+    for (const FloatingBody<Dim>& body : bodies) all.push_back(body.faces);
+    return all;
+  }
+  /// Throws if a motion or a body is invalid.
+  std::unique_ptr<WallMover<Dim>> mover() const;
+  /// What identifies them: of a motion, where it begins. Throws if one is invalid.
+  void add_to(PointChecksum& sum) const {
+    for (const MovingFaces<Dim>& group : faces) {
+      group.motion.check();
+      const Pose<Dim> pose = group.motion.pose_at(0);
+      for (const Face<Dim>& face : group.faces) {
+        for (const Vec<Dim>& corner : face.corners) sum.add(pose.x_of(corner));
+      }
+    }
+    for (const FloatingBody<Dim>& body : bodies) {
+      for (const Face<Dim>& face : body.faces) {
+        for (const Vec<Dim>& corner : face.corners) sum.add(corner);
+      }
+      sum.add(Vec<2>(body.density, body.mass_properties ? body.mass_properties->mass : 0));
+      sum.add(body.velocity);
+      for (const bool is_held : body.is_held) sum.add(std::uint64_t(is_held));
+      sum.add(std::uint64_t(body.keeps_orientation));
+      sum.add(std::uint64_t(body.load ? 1 : 0));
+    }
+  }
+};
+
+namespace detail {
+
+/// What moves them in a flow.
+template <int Dim>
+class MovingWallsInFlow final : public WallMover<Dim> {
+ public:
+  using Vec = silt::Vec<Dim>;
+
+  /// Throws if a motion or a body is invalid.
+  explicit MovingWallsInFlow(const MovingWalls<Dim>& walls) : groups_(walls.faces) {
+    for (std::size_t b = 0; b < walls.bodies.size(); ++b) {
+      bodies_.emplace_back("MovingWalls: body " + std::to_string(b), walls.bodies[b]);
+    }
+    for (const MovingFaces<Dim>& group : groups_) {
+      group.motion.check();
+      if (const double period = group.motion.period(); !(period > 0)) {
+        fail({"MovingWalls: moving wall ", bounds_.size(), ": its motion has a period() of ",
+              period, " s; give one above 0, or infinity"});
+      }
+      if (group.faces.empty()) {
+        fail({"MovingWalls: moving wall ", bounds_.size(),
+              " has no faces; give some, or no motion"});
+      }
+      Vec lower = group.faces.empty() ? Vec(Vec::Zero()) : group.faces[0].corners[0];
+      Vec upper = lower;
+      for (const Face<Dim>& face : group.faces) {
+        for (const Vec& corner : face.corners) {
+          lower = lower.cwiseMin(corner);
+          upper = upper.cwiseMax(corner);
+        }
+      }
+      bounds_.push_back({lower, upper});
+    }
+    now_.steps.resize(groups_.size() + bodies_.size());
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      now_.steps[g].before = groups_[g].motion.pose_at(0);
+    }
+    now_.last.resize(groups_.size() + bodies_.size());
+  }
+
+  std::unique_ptr<WallMover<Dim>> copy() const override {
+    return std::make_unique<MovingWallsInFlow>(*this);
+  }
+  std::size_t number_of_bodies() const override { return bodies_.size(); }
+  const std::vector<BodyInFlow<Dim>>& bodies() const override { return bodies_; }
+  void place(Faces<Dim>& faces) const override { faces.begin_step(now_.steps); }
+  /// Bodies end approaches closer than the spacing [m], see BodyContacts.
+  void begin_step(double t, double time_step, double spacing, Faces<Dim>& faces) override {
+    time_step_ = time_step;
+    coupling_.clear();
+    now_.last = now_.steps;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      now_.steps[g] = step_of(g, t, time_step, spacing);
+    }
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      bodies_[b].begin_step("MovingWalls: body " + std::to_string(b), t, time_step);
+    }
+    find_steps_of_bodies();
+    faces.begin_step(now_.steps);
+    if (!bodies_.empty()) {
+      contacts_.end_approaches(
+          bodies_, faces, spacing, time_step, [&](std::size_t b) { return group_of_body(b); },
+          [&](std::uint32_t group, const Vec& x) { return velocity_at(group, x); });
+      find_steps_of_bodies();
+      faces.set_moves(now_.steps);
+    }
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      now_.fastest_given =
+          std::max(now_.fastest_given, speed_of(g, now_.steps[g].before, now_.steps[g].velocity));
+    }
+    if (now_.is_first) {
+      now_.last = now_.steps;
+      for (const BodyInFlow<Dim>& body : bodies_) {
+        now_.fastest_given = std::max(now_.fastest_given, body.max_speed());
+      }
+      typename Faces<Dim>::Bounds all{faces[0].face.corners[0], faces[0].face.corners[0]};
+      for (const auto& element : faces.elements()) {
+        for (const Vec& corner : element.face.corners) all.enclose({corner, corner});
+      }
+      now_.extent = (all.upper - all.lower).norm();
+    }
+    now_.is_first = false;
+    require_no_crossing(faces, spacing);
+  }
+  bool change_velocities(const FlowOfStep<Dim>& flow, Faces<Dim>& faces) override {
+    if (bodies_.empty()) return false;
+    if (coupling_.is_empty()) {
+      for (std::size_t b = 0; b < bodies_.size(); ++b) {
+        bodies_[b].set_shares({.size = wetted_size(flow, b), .density = flow.density});
+      }
+    }
+    loads_.resize(bodies_.size());
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const LoadOnGroup<Dim> load_on(
+          flow.near.faces(), group_of_body(b), flow.box, bodies_[b].state().position,
+          {.density = flow.density, .spacing = flow.spacing, .time_step = flow.time_step});
+      loads_[b] = load_on.sum(flow.changes, flow.sum);
+    }
+    if (!coupling_.change(bodies_, loads_, flow)) return false;
+    find_steps_of_bodies();
+    faces.set_moves(now_.steps);
+    return true;
+  }
+  void end_step(const FlowOfStep<Dim>& flow) override {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const Vec acceleration = flow.acceleration(bodies_[b].state().position);
+      bodies_[b].end_step(loads_[b], acceleration, flow.time_step);
+      now_.fastest_of_fall = std::max(now_.fastest_of_fall, speed_of_fall(b, acceleration));
+      const double expected = expected_speed();
+      if (bodies_[b].max_speed() <= 10 * expected) continue;
+      fail({"MovingWalls: body ", b, " moves at ", bodies_[b].max_speed(),
+            " m/s, more than ten times ", expected,
+            " m/s, the speed of bodies at first, of moving walls and of a fall through all walls; "
+            "reduce the time step, take away fluid in it with remove_inside(), or give it a larger "
+            "density"});
+    }
+  }
+
+  double longest_step(double t, double distance) const override {
+    double longest = std::numeric_limits<double>::infinity();
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const auto& motion = groups_[g].motion;
+      const double speed = speed_of(g, motion.pose_at(t), motion.velocity_at(t));
+      longest = std::min({longest, distance / speed, motion.period() / 20});
+    }
+    for (const BodyInFlow<Dim>& body : bodies_) {
+      longest = std::min(longest, distance / body.max_speed());
+    }
+    return longest;
+  }
+  double max_speed() const override {
+    double fastest = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      fastest = std::max(fastest, speed_of(g, now_.steps[g].before, now_.steps[g].velocity));
+    }
+    // Of a body not more than it can be expected to have: it may be the one that goes wrong.
+    for (const BodyInFlow<Dim>& body : bodies_) {
+      fastest = std::max(fastest, std::min(body.max_speed(), expected_speed()));
+    }
+    return fastest;
+  }
+
+  const RigidVelocity<Dim>& velocity(std::uint32_t group) const override {
+    return now_.steps[group - 1].velocity;
+  }
+  MotionOfMirror<Dim> motion_of(std::span<const PlaneOfMirror<Dim>> planes) const override {
+    const auto velocity_of = [&](std::uint32_t group) { return velocity(group); };
+    const auto acceleration_of = [&](std::uint32_t group) {
+      return Acceleration{now_.steps[group - 1], now_.last[group - 1], time_step_};
+    };
+    return {.slip = rate_of<Dim>(planes, AlongMirror::slip, velocity_of),
+            .stick = rate_of<Dim>(planes, AlongMirror::stick, velocity_of),
+            .change = rate_of<Dim>(planes, AlongMirror::slip, acceleration_of)};
+  }
+  std::string name_of(std::uint32_t group) const override {
+    if (group == 0) return "a wall at rest";
+    if (group <= groups_.size()) return "moving wall " + std::to_string(group - 1);
+    return "body " + std::to_string(group - 1 - groups_.size());
+  }
+
+  void save() override {
+    saved_ = now_;
+    for (BodyInFlow<Dim>& body : bodies_) body.save();
+  }
+  void restore() noexcept override {
+    std::swap(now_, saved_);
+    for (BodyInFlow<Dim>& body : bodies_) body.restore();
+  }
+  void for_each_number(FunctionRef<void(double&)> f) override {
+    double is_first = now_.is_first ? 1 : 0;
+    f(is_first);
+    f(now_.fastest_given);
+    f(now_.fastest_of_fall);
+    f(now_.extent);
+    now_.is_first = is_first != 0;
+    for (StepOfFaces<Dim>& step : now_.steps) for_each_number_of(step, f);
+    for (BodyInFlow<Dim>& body : bodies_) body.for_each_number(f);
+  }
+
+ private:
+  // Of the points of a group: the change of their mean velocity since the last step, over Δt [m/s²]; 0
+  // in the first step.
+  struct Acceleration {
+    const StepOfFaces<Dim>& now;
+    const StepOfFaces<Dim>& last;
+    double time_step;
+
+    // Of the point that is at x at the beginning of the step.
+    Vec at(const Vec& x) const {
+      return (now.velocity.at(x) - last.velocity.at(last.move.X_of(x))) / time_step;
+    }
+  };
+
+  // After a fall through the extent of all walls [m/s].
+  double speed_of_fall(std::size_t b, const Vec& acceleration) const {
+    const double by_user =
+        bodies_[b].load_of_user().force.norm() / bodies_[b].mass_properties().mass;
+    return std::sqrt(2 * (acceleration.norm() + by_user) * now_.extent);
+  }
+  double expected_speed() const { return now_.fastest_given + now_.fastest_of_fall; }
+
+  void find_steps_of_bodies() {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      now_.steps[groups_.size() + b] = bodies_[b].step(time_step_);
+    }
+  }
+  // The group of a body.
+  std::uint32_t group_of_body(std::size_t body) const {
+    return static_cast<std::uint32_t>(groups_.size() + body + 1);
+  }
+  Vec velocity_at(std::uint32_t group, const Vec& x) const {
+    return group > 0 ? velocity(group).at(x) : Vec(Vec::Zero());
+  }
+  // Of the box around the particles that have faces of a group near them, within that of the faces
+  // [m].
+  Vec wetted_size(const FlowOfStep<Dim>& flow, std::size_t body) const {
+    const FacesNearParticles<Dim>& near = flow.near;
+    const std::uint32_t group = group_of_body(body);
+    constexpr double none = std::numeric_limits<double>::infinity();
+    Vec size;
+    for (int k = 0; k < Dim; ++k) {
+      const auto at = [&](Index i, double sign) {
+        if (!near.has_faces(i)) return -none;
+        for (const std::uint32_t face : near[i].faces()) {
+          if (near[i][face].group == group) return sign * near.position(i)[k];
+        }
+        return -none;
+      };
+      double lower = none, upper = -none;
+      for (const auto& element : near.faces().elements()) {
+        if (element.group != group) continue;
+        for (const auto& corner : element.face.corners) {
+          lower = std::min(lower, corner[k]);
+          upper = std::max(upper, corner[k]);
+        }
+      }
+      const auto [highest, minus_lowest] = flow.maximum(
+          std::array{largest(near.size(), -none, [&](Index i) { return at(i, 1); }),
+                     largest(near.size(), -none, [&](Index i) { return at(i, -1); })});
+      size[k] = std::max(0.0, std::min(upper, highest) - std::max(lower, -minus_lowest));
+    }
+    return size;
+  }
+  template <class F>
+  static void for_each_number_of(StepOfFaces<Dim>& step, F&& f) {
+    for (double& number : step.before.rotation.reshaped()) f(number);
+    for (double& number : step.before.shift) f(number);
+    for (double& number : step.move.rotation.reshaped()) f(number);
+    for (double& number : step.move.shift) f(number);
+    for (double& number : step.velocity.linear) f(number);
+    for (double& number : step.velocity.about) f(number);
+    for (int k = 0; k < angular_size<Dim>; ++k) f(component(step.velocity.spin, k));
+  }
+  // Throws if a corner of a face goes through a face of another group in the step. Faces may touch and
+  // slide along each other.
+  void require_no_crossing(const Faces<Dim>& faces, double spacing) const {
+    const double tolerance = 1e-3 * spacing;
+    const auto end_of = [&](std::uint32_t group, const Vec& x) {
+      return group > 0 ? now_.steps[group - 1].move.x_of(x) : x;
+    };
+    const auto begin_of = [&](std::uint32_t group, const Vec& x) {
+      return group > 0 ? now_.steps[group - 1].move.X_of(x) : x;
+    };
+    // Whether a corner of one goes through the other; x is its end as seen from there.
+    const auto goes_through = [&](const FaceOfSurface<Dim>& one, const FaceOfSurface<Dim>& other) {
+      Vec middle = Vec::Zero();
+      for (const Vec& corner : one.face.corners) middle += corner / Dim;
+      for (const Vec& corner : one.face.corners) {
+        const Vec x = begin_of(other.group, end_of(one.group, corner));
+        const double end = other.height(x);
+        double begin = other.height(corner);
+        if (std::abs(begin) <= tolerance) begin = other.height(middle);
+        if (std::abs(end) <= tolerance || std::abs(begin) <= tolerance || (begin > 0) == (end > 0)) {
+          continue;
+        }
+        const double beside = (x - nearest_of(other.face, x)).norm() - std::abs(end);
+        if (beside > tolerance) continue;
+        fail({"MovingWalls: ", name_of(one.group), " goes into ", name_of(other.group), " at ",
+              to_text(x), " m; let faces touch at most, or change the motion"});
+      }
+    };
+    for (std::uint32_t group = 1; group <= now_.steps.size(); ++group) {
+      // A wall moves by less than a spacing in a step.
+      for_each_close_pair(faces, group, 2 * spacing, [&](std::uint32_t own, std::uint32_t other) {
+        goes_through(faces[own], faces[other]);
+        goes_through(faces[other], faces[own]);
+      });
+    }
+  }
+  // Of its bounds where it is defined.
+  Vec corner_of(std::size_t g, unsigned corner) const {
+    Vec X;
+    for (int k = 0; k < Dim; ++k) {
+      X[k] = (corner >> k & 1u) ? bounds_[g].upper[k] : bounds_[g].lower[k];
+    }
+    return X;
+  }
+  // The largest of the corners of its bounds, and so of all of its points [m/s].
+  double speed_of(std::size_t g, const Pose<Dim>& pose, const RigidVelocity<Dim>& velocity) const {
+    double fastest = 0;
+    for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
+      fastest = std::max(fastest, velocity.at(pose.x_of(corner_of(g, corner))).norm());
+    }
+    return fastest;
+  }
+  StepOfFaces<Dim> step_of(std::size_t g, double t, double time_step, double spacing) const {
+    StepOfFaces<Dim> step;
+    const auto& motion = groups_[g].motion;
+    step.before = motion.pose_at(t);
+    step.move = motion.move_in(t, time_step);
+    if (!step.before.shift.allFinite() || !step.move.shift.allFinite() ||
+        !step.before.rotation.allFinite() || !step.move.rotation.allFinite()) {
+      fail({"MovingWalls: moving wall ", g, " has no finite position at ", t, " s or ", t + time_step,
+            " s; correct its motion"});
+    }
+    const double not_orthogonal = (step.before.rotation.transpose() * step.before.rotation -
+                                   Eigen::Matrix<double, Dim, Dim>::Identity())
+                                      .norm();
+    if (not_orthogonal > 1e-9 || step.before.rotation.determinant() < 0) {
+      fail({"MovingWalls: moving wall ", g, ": the rotation of its pose at ", t,
+            " s is no rotation matrix; give an orthogonal one of determinant 1"});
+    }
+    for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
+      const Vec from = step.before.x_of(corner_of(g, corner));
+      const double distance = (step.move.x_of(from) - from).norm();
+      if (!(distance > spacing)) continue;
+      fail({"MovingWalls: moving wall ", g, " moves by ", distance, " m in a step of ", time_step,
+            " s at ", t, " s, more than the spacing = ", spacing,
+            " m; let it move continuously, or reduce the time step"});
+    }
+    step.velocity.about = step.before.x_of((bounds_[g].lower + bounds_[g].upper) / 2);
+    step.velocity.linear = (step.move.x_of(step.velocity.about) - step.velocity.about) / time_step;
+    step.velocity.spin = turn_of(step.move.rotation) / time_step;
+    return step;
+  }
+
+  std::vector<MovingFaces<Dim>> groups_;
+  std::vector<BodyInFlow<Dim>> bodies_;  // their groups follow those
+  BodyContacts<Dim> contacts_;
+  BodyCoupling<Dim> coupling_;
+  std::vector<BodyLoad<Dim>> loads_;  // of the fluid in the step
+  std::vector<typename Faces<Dim>::Bounds> bounds_;  // of a group where it is defined [m]
+  double time_step_ = 1;
+  struct State {
+    bool is_first = true;
+    double fastest_given = 0;    // of walls, and of bodies at first [m/s]
+    double fastest_of_fall = 0;  // see speed_of_fall()
+    double extent = 0;           // of all walls at first [m]
+    Buffer<StepOfFaces<Dim>> steps;
+    Buffer<StepOfFaces<Dim>> last;
+  };
+  State now_;
+  State saved_;
+};
+
+}  // namespace detail
+
+template <int Dim>
+std::unique_ptr<WallMover<Dim>> MovingWalls<Dim>::mover() const {
+  return std::make_unique<detail::MovingWallsInFlow<Dim>>(*this);
+}
+
+}  // namespace silt::mps

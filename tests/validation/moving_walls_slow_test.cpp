@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+// Walls that move and bodies that float against linear theory, Archimedes and Zhao and Faltinsen: the rows of
+// docs/verification.md.
+#include <silt/mps.hpp>
+#include <silt/mps/setup/remove_inside.hpp>
+#include <silt/mps/wall/moving_walls.hpp>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace silt::test::moving_walls_slow_test {
+namespace {
+
+constexpr double g = 9.81;  // [m/s²]
+using Settings = mps::FlowSettings<2, mps::Recommended>;
+
+std::vector<Face<2>> faces_of_box(const Vec<2>& lower, const Vec<2>& upper) {
+  return polyline({lower, {upper[0], lower[1]}, upper, {lower[0], upper[1]}, lower});
+}
+mps::Fluid<2> water_in(const Vec<2>& lower, const Vec<2>& upper, double spacing) {
+  mps::Fluid<2> fluid{Box<2>{.lower = lower - Vec<2>(0.5, 0.5),
+                             .upper = upper + Vec<2>(0.5, 3),
+                             .on_escape = OnEscape::remove}};
+  for (const auto& x : lattice<2>({.lower = lower, .upper = upper}, spacing)) {
+    mps::add_particle(fluid, x, mps::Kind::fluid);
+  }
+  return fluid;
+}
+auto simulation_of(mps::Fluid<2> fluid, const Settings& settings) {
+  return Simulation{std::move(fluid), UniformGrid<2>{}, mps::Flow<mps::Recommended>{settings},
+                    SemiImplicit<>{}};
+}
+
+// A body that is held along x sinks or rises to its draught; a damper on it takes the energy away.
+TEST(FloatingBox, ComesToRestAtItsDraught) {
+  constexpr double l0 = 0.01, side = 0.2, length = 0.6, depth = 0.3;
+  for (const double offset : {0.02, -0.02}) {
+    Settings settings{.spacing = l0, .speed_scale = 2};
+    settings.walls.segments = polyline({{0, 0.9}, {0, 0}, {length, 0}, {length, 0.9}});
+    const Vec<2> lower(length / 2 - side / 2, depth - side / 2 + offset);
+    const auto box = faces_of_box(lower, lower + Vec<2>(side, side));
+    settings.walls.moving_2d = mps::MovingWalls<2>{
+        .bodies = {{.faces = box,
+                    .density = 500,
+                    .is_held = {true, false},
+                    .keeps_orientation = true,
+                    .load = [](const BodyState<2>& body, double) {
+                      return BodyLoad<2>{.force = {0, -300 * body.velocity[1]}};
+                    }}}};
+    auto fluid = water_in({0, 0}, {length, depth}, l0);
+    mps::remove_inside(fluid, box, l0);
+    const double level = (double(fluid.size()) * l0 * l0 + side * side / 2) / length;
+    auto sim = simulation_of(std::move(fluid), settings);
+    double sum = 0, duration = 0;
+    while (sim.time() < 5) {
+      sim.step();
+      if (sim.time() < 3) continue;
+      sum += sim.interaction().walls().bodies()[0].state().position[1] * sim.last_time_step();
+      duration += sim.last_time_step();
+    }
+    EXPECT_NEAR(sum / duration, level, 0.1 * l0) << offset;  // its middle, half of it below water
+  }
+}
+
+// Twice as wide as high, released 0.02 m above its draught. Linear potential theory, by boundary
+// elements at 36 frequencies and Cummins' equation, has zeros at 0.3195 and 0.793 s, half a period
+// apart, and the first extremum at −0.477 of the offset.
+TEST(FloatingBox, HeavesAsInPotentialFlow) {
+  constexpr double l0 = 0.01, width = 0.4, height = 0.2, length = 4, depth = 0.4, offset = 0.02;
+  Settings settings{.spacing = l0, .speed_scale = 2};
+  settings.walls.segments = polyline({{0, 0.9}, {0, 0}, {length, 0}, {length, 0.9}});
+  const Vec<2> lower(length / 2 - width / 2, depth - height / 2 + offset);
+  const auto box = faces_of_box(lower, lower + Vec<2>(width, height));
+  settings.walls.moving_2d = mps::MovingWalls<2>{.bodies = {{.faces = box,
+                                                             .density = 500,
+                                                             .is_held = {true, false},
+                                                             .keeps_orientation = true}}};
+  auto fluid = water_in({0, 0}, {length, depth}, l0);
+  mps::remove_inside(fluid, box, l0);
+  auto sim = simulation_of(std::move(fluid), settings);
+  std::vector<double> zeros;
+  double last = offset, lowest = 0;
+  while (sim.time() < 0.95) {
+    sim.step();
+    const double now = sim.interaction().walls().bodies()[0].state().position[1] - depth;
+    if (now * last < 0) zeros.push_back(sim.time());
+    lowest = std::min(lowest, now);
+    last = now;
+  }
+  ASSERT_GE(zeros.size(), 2u);
+  EXPECT_NEAR(zeros[0], 0.3195, 0.05 * 0.3195);
+  EXPECT_NEAR(zeros[1] - zeros[0], 0.474, 0.05 * 0.474);
+  EXPECT_NEAR(lowest / offset, -0.477, 0.08);
+}
+
+// A wedge with a deadrise of 30° at constant speed V into water at rest, without gravity: [ZhaoFaltinsen1993]
+// have a force of 14.14 ρ V³ t. Its impulse, before waves return from the walls.
+TEST(Wedge, HasTheForceOfASelfSimilarEntry) {
+  constexpr double l0 = 0.01, half_length = 2, depth = 1.5, speed = 1, half_width = 1.8;
+  const double slope = std::tan(std::numbers::pi / 6);
+  Settings settings{.spacing = l0, .gravity = {0, 0}, .speed_scale = 2};
+  settings.walls.segments =
+      polyline({{-half_length, 3}, {-half_length, -depth}, {half_length, -depth}, {half_length, 3}});
+  constexpr double gap = 0.36 * l0;  // particles keep 0.35
+  settings.walls.moving_2d = mps::MovingWalls<2>{
+      .faces = {{.faces = polyline({{-half_width, half_width * slope + gap},
+                                    {0, gap},
+                                    {half_width, half_width * slope + gap}}),
+                 .motion = Translation<2>{{0, -speed}}}}};
+  auto sim = simulation_of(water_in({-half_length, -depth}, {half_length, 0}, l0), settings);
+  double impulse = 0;
+  while (sim.time() < 0.15) {
+    sim.step();
+    const auto& flow = sim.interaction();
+    const mps::LoadOnGroup<2> on_wedge(
+        flow.walls().faces(), 1, sim.particles().box(), {0, 0},
+        {.density = 1000, .spacing = l0, .time_step = sim.last_time_step()});
+    const auto own = [](const Vec<6>& numbers) { return numbers; };
+    impulse += on_wedge.sum(flow.momentum_changes(), own).force[1] * sim.last_time_step();
+  }
+  const double t = sim.time() - gap / speed;
+  EXPECT_NEAR(impulse / (0.5 * 1000 * t * t), 14.14, 0.05 * 14.14);
+}
+
+// A tank that sways near its resonance, and the same in its own frame.
+TEST(SwayedTank, IsTheSameInItsOwnFrame) {
+  constexpr double l0 = 0.01, amplitude = 0.01, length = 0.6;
+  const double omega = 2 * std::numbers::pi / 1.2;
+  const auto tank = mps::make_tank<mps::Recommended, 2>(
+      {.column = {length, 0.2}, .size = {.length = length, .height = 0.5}, .spacing = l0});
+  const auto displacement = [=](double t) { return amplitude * (1 - std::cos(omega * t)); };
+  Settings moving{.spacing = l0, .speed_scale = 1.4};
+  moving.walls.moving_2d = mps::MovingWalls<2>{
+      .faces = {{.faces = tank.walls.segments, .motion = MotionFunction<2>{[=](double t) {
+                   return Pose<2>{.shift = {displacement(t), 0}};
+                 }}}}};
+  Settings in_frame{.spacing = l0, .speed_scale = 1.4, .walls = tank.walls};
+  in_frame.body_force = [=](const Vec<2>&, double t) -> Vec<2> {
+    return {-amplitude * omega * omega * std::cos(omega * t), 0};
+  };
+  auto one = simulation_of(water_in({0, 0}, {length, 0.2}, l0), moving);
+  auto other = simulation_of(water_in({0, 0}, {length, 0.2}, l0), in_frame);
+  const auto centre_of = [](const auto& sim) {
+    const auto particles = sim.snapshot();
+    double sum = 0;
+    for (const auto& x : particles[position]) sum += x[0];
+    return sum / double(particles.size());
+  };
+  double largest_difference = 0, largest_motion = 0;
+  for (double t = 0.05; t < 4; t += 0.05) {
+    one.run({.until = t, .end_exactly = true});
+    other.run({.until = t, .end_exactly = true});
+    const double relative = centre_of(one) - displacement(t);
+    largest_difference = std::max(largest_difference, std::abs(relative - centre_of(other)));
+    largest_motion = std::max(largest_motion, std::abs(centre_of(other) - length / 2));
+  }
+  EXPECT_GT(largest_motion, 0.02);
+  EXPECT_LT(largest_difference, 0.01 * largest_motion);
+}
+
+// A piston in water of 0.2 m depth, of which the wave passes a gauge before it returns from the far end: the
+// height over the stroke of linear theory [Biesel1951].
+TEST(Piston, MakesTheWavesOfLinearTheory) {
+  constexpr double l0 = 0.01, depth = 0.2, amplitude = 0.01, length = 5, at = 1;
+  for (const double period : {0.8, 1.2}) {
+    const double omega = 2 * std::numbers::pi / period;
+    double k = omega * omega / g;
+    for (int n = 0; n < 200; ++n) k = omega * omega / (g * std::tanh(k * depth));
+    const double expected =
+        2 * (std::cosh(2 * k * depth) - 1) / (std::sinh(2 * k * depth) + 2 * k * depth);
+    Settings settings{.spacing = l0, .speed_scale = 1.4};
+    settings.walls.segments = polyline({{-0.5, 0}, {length, 0}, {length, 0.6}});
+    settings.walls.moving_2d = mps::MovingWalls<2>{
+        .faces = {{.faces = polyline({{0, 0.6}, {0, 0}}), .motion = MotionFunction<2>{[=](double t) {
+                     const double begun = std::min(1.0, t / period);
+                     return Pose<2>{.shift = {begun * amplitude * (1 - std::cos(omega * t)), 0}};
+                   }}}}};
+    auto sim = simulation_of(water_in({0, 0}, {length, depth}, l0), settings);
+    const double arrived = at / (omega / k / 2) + 2 * period;
+    double lowest = 1, highest = 0;
+    for (double t = 0.02; t < arrived + 2 * period; t += 0.02) {
+      sim.run({.until = t});
+      if (t < arrived) continue;
+      // The mean level below a triangle, which is lower than the crest by the square of sin(x)/x.
+      const auto particles = sim.snapshot();
+      constexpr double half = 8 * l0;
+      double volume = 0;
+      for (const auto& x : particles[position]) {
+        volume += l0 * l0 * std::max(0.0, 1 - std::abs(x[0] - at) / half);
+      }
+      const double smeared = std::sin(k * half / 2) / (k * half / 2);
+      const double level = (volume / half - depth) / (smeared * smeared);
+      lowest = std::min(lowest, level);
+      highest = std::max(highest, level);
+    }
+    EXPECT_NEAR((highest - lowest) / (2 * amplitude) / expected, 1, 0.03) << period;
+  }
+}
+
+}  // namespace
+}  // namespace silt::test::moving_walls_slow_test
