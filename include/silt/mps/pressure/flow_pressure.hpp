@@ -2,6 +2,9 @@
 // The pressure in the steps of a flow: where it is unknown, the equation for it, and its solution.
 #pragma once
 
+#include <silt/core/buffer.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
 #include <silt/core/run_inlined.hpp>
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
@@ -19,6 +22,7 @@
 #include <silt/mps/view/pressure_boundary.hpp>
 
 #include <concepts>
+#include <type_traits>
 #include <utility>
 
 namespace silt::mps {
@@ -60,10 +64,11 @@ class FlowPressure {
 
   /// ∇²P = source      (9), (16), with the pressures of the previous step as initial guess. Throws
   /// if the solve does not converge. Velocities and pressures of ghosts must be up to date;
-  /// afterwards, those pressures are again.
+  /// afterwards, those pressures are again. The positions are those of a time [s].
   template <FluidParticles P>
   void solve(P& particles, const StepView<Scheme, P>& step, const PressureRise<Scheme, P>& rise,
-             FlowSeconds& seconds) {
+             double time, FlowSeconds& seconds) {
+    find_surface_pressures(step, time);
     // In the first step, the pressures before it are unknown to sources that use them: zero, in
     // most cases. A kick would be left.
     constexpr int max_passes = 30;
@@ -94,8 +99,40 @@ class FlowPressure {
   template <class P>
   double source(const StepView<Scheme, P>& step, Index i,
                 const PressureRise<Scheme, P>& rise) const {
-    const double own = boundary_.weight_of_surface(i) > 0 ? 0 : source_.value(step.at(i));
+    const double weight = boundary_.weight_of_surface(i);
+    const double own = weight > 0 ? source_of_surface(step, i, weight) : source_.value(step.at(i));
     return own - step.at(i).laplacian_of_rises(rise);
+  }
+  // That with which the pressure outside of the surface has this weight.
+  template <class Step>
+  double source_of_surface(const Step& step, Index i, double weight) const {
+    if (surface_pressures_.empty()) return 0;
+    const auto& stencil = step.operators.laplacian_stencil();
+    return -2 * Dim / double(stencil.lambda * stencil.n0) * weight * surface_pressures_[i];
+  }
+  template <class Step>
+  void find_surface_pressures(const Step& step, double time) {
+    const auto& pressure_at = step.settings.surface_pressure;
+    if (!pressure_at) return;
+    const auto& particles = step.particles;
+    const auto x = particles[position];
+    surface_pressures_.resize(particles.size());
+    for_each(particles.size(), [&](Index i) {
+      surface_pressures_[i] = 0;
+      const double weight = boundary_.weight_of_surface(i);
+      if (!(weight > 0)) return;
+      // Where the surface is outside of the cell. At an edge of the surface, a linear pressure is
+      // met then.
+      const Vec<Dim> outwards = -step.at(i).laplacian_moment().template cast<double>() / weight;
+      surface_pressures_[i] = pressure_at(x[i].template cast<double>() + outwards, time);
+    });
+    const Index broken =
+        first_where(particles.size(), [&](Index i) { return !is_finite(surface_pressures_[i]); });
+    if (broken == no_index) return;
+    fail({"FlowSettings: surface_pressure = ", surface_pressures_[broken], " Pa at ",
+          to_text(typename std::remove_cvref_t<decltype(particles)>::Vec(x[broken])), " m and ",
+          time, " s is not finite; return a finite pressure"},
+         {.particle = broken, .id = particles.id(broken)});
   }
 
   SourceOf<Scheme> source_;  // which may keep something from begin() to the end of the step
@@ -103,6 +140,8 @@ class FlowPressure {
   PressureBoundary<Scheme> boundary_;
   KeptMoments<Dim, Real> moments_;
   PressureEquation equation_;
+  Buffer<double>
+      surface_pressures_;  // of particles whose cell is on the surface [Pa]; empty: all 0
   SolveReport report_;
 };
 

@@ -54,6 +54,10 @@ struct FlowSettings {
   /// Acceleration in addition to gravity [m/s²] at x [m] and time t [s]; called from several
   /// threads, on which the result must not depend. None if empty.
   std::function<Vec<Dim>(const Vec<Dim>& x, double t)> body_force = {};
+  /// Pressure on the free surface [Pa] at x [m] and time t [s], such as that of openings, see
+  /// PressureOpening; called like body_force. 0 if empty. It needs a scheme with an OuterSurface.
+  /// Of a flow that it drives, speed_scale is √(2 p/ρ).
+  std::function<double(const Vec<Dim>& x, double t)> surface_pressure = {};
 
   /// By what a checkpoint recognises another flow.
   std::vector<SetupPart> setup() const {
@@ -101,6 +105,12 @@ struct FlowSettings {
     if (!(max_time_step > 0)) {
       fail({"FlowSettings: max_time_step = ", max_time_step,
             " s must be positive; give a value above 0"});
+    }
+    if (surface_pressure && !HasOuterSurface<SurfaceOf<Scheme>>) {
+      fail(
+          "FlowSettings: surface_pressure is set, but the scheme has P = 0 at the particles of the "
+          "free "
+          "surface; use one with an OuterSurface, such as mps::Recommended");
     }
     const auto check = [](const auto& policy) {
       if constexpr (requires { policy.check(); }) policy.check();

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: MIT
+// Makes room for a body in a fluid.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+#include <silt/geometry/inside.hpp>
+#include <silt/mps/fluid/fluid.hpp>
+
+#include <vector>
+
+namespace silt::mps {
+
+/// Removes the fluid inside of closed faces, and what is closer to them than 0.45 spacings l0 [m]:
+/// where faces are on the sides of cells of its lattice, the rows beside them stay. Returns the
+/// number of particles removed. Throws if the spacing is not positive.
+template <FluidParticles P, int Dim>
+Index remove_inside(P& particles, const std::vector<Face<Dim>>& faces, double spacing) {
+  require_positive("remove_inside: spacing", spacing);
+  const auto x = particles[position];
+  const auto kinds = particles[kind];
+  return particles.remove_if([&](Index i) {
+    if (kinds[i] != Kind::fluid) return false;
+    const Vec<Dim> point = x[i].template cast<double>();
+    return is_inside(faces, point) || distance_from(faces, point) < 0.45 * spacing;
+  });
+}
+
+}  // namespace silt::mps
