@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/command_line.hpp"
+#include "support/findings.hpp"
 #include "support/flow_program.hpp"
 #include "support/fluid_cases/all.hpp"
 #include "support/resume.hpp"
@@ -89,20 +90,9 @@ void flow_as(const Options& o) {
   }
 
   auto summary = support::summary_of(simulation, flow.start, iterations, wall.seconds());
-  auto& findings = summary["findings"] = nlohmann::ordered_json::array();
   // The comparison is defined for a complete run only.
-  if (is_whole) {
-    for (const auto& finding : flow.findings(notes.history())) {
-      findings.push_back({{"quantity", finding.quantity},
-                          {"reference", finding.reference},
-                          {"measured", finding.measured},
-                          {"error", finding.error()},
-                          {"allowed", finding.allowed},  // null if there is no limit
-                          {"holds", finding.holds()}});
-      std::printf("%-50s reference %-10.5g measured %-10.5g %s\n", finding.quantity.c_str(),
-                  finding.reference, finding.measured, finding.holds() ? "holds" : "does not hold");
-    }
-  }
+  summary["findings"] = support::report(is_whole ? flow.findings(notes.history())
+                                                 : std::vector<support::Finding>{});
   summary["options"] = {{"case", flow.name},
                         {"scheme", o.scheme},
                         {"spacing", o.choice.spacing},

@@ -13,11 +13,13 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.hpp"
+#include "findings.hpp"
 #include "resume.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <string>
@@ -52,9 +54,8 @@ CLI::Option* add_option(CLI::App& app, const std::string& name, Value& value,
   return app.add_option(name, value, text)->check(check)->capture_default_str();
 }
 
-/// Adds the common options. `gauge` describes the default of --probe, `files` the content of --out.
-inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gauge,
-                          const std::string& files) {
+/// Adds the common options but those of pressure gauges. `files` describes the content of --out.
+inline void describe_numerics(CLI::App& app, FlowOptions& o, const std::string& files) {
   const auto add = [&app](const std::string& name, auto& value, const std::string& text,
                           const CLI::Validator& check) {
     return add_option(app, name, value, text, check);
@@ -62,8 +63,6 @@ inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gaug
   add("--spacing", o.spacing, "particle spacing [m]", positive());
   add("--dimension", o.dimension, "2 or 3", between({2, 3}));
   add("--until", o.until, "end of the run [s]", positive());
-  app.add_option("--probe", o.probe_texts, "X,Y or in 3D X,Y,Z of a pressure gauge [m]; may be "
-                 "repeated; default " + gauge);
   add("--radius", o.radius,
       "effective radius of number density, surface, gradient and divergence [spacings]",
       between({1.5, 6}));
@@ -80,6 +79,14 @@ inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gaug
   add("--threads", o.threads, support::threads_help, between({0, 1024}));
   app.add_option("--out", o.out, "folder for " + files)->capture_default_str();
   describe_resume(app, o.resume);
+}
+
+/// Adds the common options. `gauge` describes the default of --probe, `files` the content of --out.
+inline void describe_flow(CLI::App& app, FlowOptions& o, const std::string& gauge,
+                          const std::string& files) {
+  app.add_option("--probe", o.probe_texts, "X,Y or in 3D X,Y,Z of a pressure gauge [m]; may be "
+                 "repeated; default " + gauge);
+  describe_numerics(app, o, files);
 }
 
 /// Converts every --probe to numbers. Gauges must lie in the tank or on its walls: within
@@ -278,6 +285,25 @@ nlohmann::ordered_json summary_of(const Sim& simulation, const P& particles,
           {"seconds_pressure", simulation.interaction().seconds_in_pressure()},
           {"seconds_total", seconds},
           {"particles_lost", simulation.particles_lost()}};
+}
+
+/// The findings for summary.json, which are also printed. Numbers that are not finite are null.
+inline nlohmann::ordered_json report(const std::vector<Finding>& findings) {
+  auto all = nlohmann::ordered_json::array();
+  for (const Finding& finding : findings) {
+    all.push_back({{"quantity", finding.quantity},
+                   {"reference", finding.reference},
+                   {"measured", finding.measured},
+                   {"error", finding.error()},
+                   {"allowed", finding.allowed},  // null if there is no limit
+                   {"holds", finding.holds()}});
+    const char* const verdict = finding.allowed == stated ? "stated"
+                                : finding.holds()         ? "holds"
+                                                          : "does not hold";
+    std::printf("%-50s reference %-10.5g measured %-10.5g %s\n", finding.quantity.c_str(),
+                finding.reference, finding.measured, verdict);
+  }
+  return all;
 }
 
 /// Adds the common options, for summary.json.

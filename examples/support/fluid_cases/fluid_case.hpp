@@ -6,6 +6,9 @@
 #include <silt/measure/timed.hpp>
 #include <silt/mps.hpp>
 
+#include "../findings.hpp"
+#include "../history.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <concepts>
@@ -19,48 +22,9 @@ namespace fluid_cases {
 
 using namespace silt;
 
-/// Quantities recorded during a run: one row per time, one column per quantity. The first column is
-/// the time.
-class History {
- public:
-  explicit History(std::vector<std::string> names)
-      : names_(std::move(names)), columns_(names_.size()) {}
-
-  const std::vector<std::string>& names() const { return names_; }
-  void add(const std::vector<double>& row) {
-    for (Index c = 0; c < columns_.size(); ++c) columns_[c].push_back(row[c]);
-  }
-  template <class Archive>
-  void transfer(Archive& archive) {
-    for (Index c = 0; c < columns_.size(); ++c) archive(names_[c], columns_[c]);
-  }
-  const std::vector<double>& operator[](const std::string& name) const {
-    const auto found = std::find(names_.begin(), names_.end(), name);
-    if (found == names_.end()) fail("History: no column " + name);
-    return columns_[static_cast<Index>(found - names_.begin())];
-  }
-
- private:
-  std::vector<std::string> names_;
-  std::vector<std::vector<double>> columns_;
-};
-
-/// For findings that are reported, but not checked.
-inline constexpr double stated = std::numeric_limits<double>::infinity();
-
-/// One result of a run and its reference value.
-struct Finding {
-  std::string quantity;  ///< with its unit
-  double reference = 0;
-  double measured = 0;
-  double allowed = 0;  ///< maximum error over the scale; `stated`: any
-  double scale = 0;    ///< of the error; 0: the reference
-
-  double error() const {
-    return std::abs(measured - reference) / (scale > 0 ? scale : std::abs(reference));
-  }
-  bool holds() const { return is_finite(measured) && error() <= allowed; }
-};
+using support::Finding;
+using support::History;
+using support::stated;
 
 /// A flow in 2D with a known solution.
 struct FluidCase {
