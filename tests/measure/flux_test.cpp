@@ -52,7 +52,7 @@ void expect_volume(const std::vector<Face<Dim>>& faces, double x, double sign) {
     time = sim.time();
     EXPECT_NEAR(sum, flux.volume(), 1e-12);
   }
-  EXPECT_GT(sign * flux.volume(), 10 * std::pow(l0, Dim));
+  EXPECT_GT(sign * flux.volume(), 5 * std::pow(l0, Dim));
 }
 TEST(Flux, IsTheVolumeThatIsBeyond) {
   const double x = 8.9 * l0;
