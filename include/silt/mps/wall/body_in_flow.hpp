@@ -25,8 +25,9 @@ namespace silt::mps {
 /// What the fluid near a body has in common.
 template <int Dim>
 struct WettedBounds {
-  Vec<Dim> size = Vec<Dim>::Zero();  ///< of the box around the wetted part of the body [m]
-  double density = 0;                ///< of the fluid [kg/m³]
+  Vec<Dim> size = Vec<Dim>::Zero();    ///< of the box around the wetted part of the body [m]
+  Vec<Dim> centre = Vec<Dim>::Zero();  ///< of the box [m]
+  double density = 0;                  ///< of the fluid [kg/m³]
 };
 
 /// A floating body in a flow. The velocity V of its momentum m V follows from the loads of each
@@ -35,8 +36,8 @@ struct WettedBounds {
 ///   W ← W + θ (V − W) + Δt A,   A ← A + θ (V − W)/(4 Δt),   θ = m/(m + M)
 ///
 /// as the load has a part −Mₐ ΔW/Δt, Mₐ the added mass: W = V (θ = 1) would be unstable for a body
-/// lighter than its added mass. With M > Mₐ/2 − m/2 it is stable at every density; M is twice the
-/// added mass of a plate as large as the wetted part. A, the acceleration, lets W keep up with a V
+/// lighter than its added mass. With M > 0.44 Mₐ − 0.56 m it is stable at every density; M is twice
+/// the added mass of a plate as large as the wetted part. A, the acceleration, lets W keep up with a V
 /// that changes steadily, and the poles of V − W are those of critical damping for Mₐ = M. The spin
 /// follows likewise.
 template <int Dim>
@@ -136,7 +137,10 @@ class BodyInFlow {
   void set_shares(const WettedBounds<Dim>& wetted) {
     const Vec mass = added_mass(wetted);
     for (int k = 0; k < Dim; ++k) now_.share[k] = mass_.mass / (mass_.mass + mass[k]);
-    now_.share_of_spin = least_inertia() / (least_inertia() + added_inertia(wetted));
+    // About the centre of mass; the axis of the spin may be any.
+    const double inertia =
+        added_inertia(wetted) + mass.maxCoeff() * (wetted.centre - now_.position).squaredNorm();
+    now_.share_of_spin = least_inertia() / (least_inertia() + inertia);
   }
   const Vec& share() const { return now_.share; }             ///< θ of each axis [-]
   double share_of_spin() const { return now_.share_of_spin; }  ///< [-]

@@ -172,7 +172,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     if (bodies_.empty()) return false;
     if (coupling_.is_empty()) {
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        bodies_[b].set_shares({.size = wetted_size(flow, b), .density = flow.density});
+        bodies_[b].set_shares(wetted_bounds(flow, b));
       }
     }
     loads_.resize(bodies_.size());
@@ -297,13 +297,13 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   Vec velocity_at(std::uint32_t group, const Vec& x) const {
     return group > 0 ? velocity(group).at(x) : Vec(Vec::Zero());
   }
-  // Of the box around the particles that have faces of a group near them, within that of the faces
-  // [m].
-  Vec wetted_size(const FlowOfStep<Dim>& flow, std::size_t body) const {
+  // Of the box around the particles that have faces of a body near them, within that of the faces.
+  WettedBounds<Dim> wetted_bounds(const FlowOfStep<Dim>& flow, std::size_t body) const {
     const FacesNearParticles<Dim>& near = flow.near;
     const std::uint32_t group = group_of_body(body);
     constexpr double none = std::numeric_limits<double>::infinity();
-    Vec size;
+    WettedBounds<Dim> wetted{
+        .size = {}, .centre = bodies_[body].state().position, .density = flow.density};
     for (int k = 0; k < Dim; ++k) {
       const auto at = [&](Index i, double sign) {
         if (!near.has_faces(i)) return -none;
@@ -323,9 +323,11 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       const auto [highest, minus_lowest] = flow.maximum(
           std::array{largest(near.size(), -none, [&](Index i) { return at(i, 1); }),
                      largest(near.size(), -none, [&](Index i) { return at(i, -1); })});
-      size[k] = std::max(0.0, std::min(upper, highest) - std::max(lower, -minus_lowest));
+      const double low = std::max(lower, -minus_lowest), high = std::min(upper, highest);
+      wetted.size[k] = std::max(0.0, high - low);
+      if (high > low) wetted.centre[k] = (low + high) / 2;
     }
-    return size;
+    return wetted;
   }
   template <class F>
   static void for_each_number_of(StepOfFaces<Dim>& step, F&& f) {
