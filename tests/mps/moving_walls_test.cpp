@@ -2,6 +2,7 @@
 // That walls of faces which move do with the fluid what they would do in their own frame.
 #include <silt/geometry/given_motions.hpp>
 #include <silt/geometry/shapes.hpp>
+#include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/wall/image_walls.hpp>
 #include <silt/mps/wall/moving_walls.hpp>
@@ -123,29 +124,53 @@ TEST(MovingWalls, AccelerateWaterAsASolid) {
   expect_a_solid_in_an_accelerated_tank<3>();
 }
 
-// A lid that moves drags the fluid: Couette flow between it and a wall at rest.
-TEST(MovingWalls, DragFluidThatSticksToThem) {
-  struct Sticking : mps::Recommended {
-    mps::NoSlip wall_stress{};
-  };
-  constexpr double height = 10 * l0, speed = 0.1;
+// A lid that moves drags the fluid, over a wall at rest and in a cavity.
+struct Sticking : mps::Recommended {
+  mps::NoSlip wall_stress{};
+};
+constexpr double of_lid = 0.1;  // [m/s]
+auto below_a_lid(bool is_cavity) {
+  constexpr double height = 10 * l0;
   mps::FlowSettings<2, Sticking> settings{.spacing = l0, .viscosity = 1e-2, .speed_scale = 1};
   settings.gravity.setZero();
-  settings.walls.segments = polyline({{-0.2, 0}, {0.4, 0}});
+  settings.walls.segments = is_cavity ? polyline({{0, height}, {0, 0}, {0.2, 0}, {0.2, height}})
+                                      : polyline({{-0.2, 0}, {0.4, 0}});
   set<2>(settings.walls,
-         {{.faces = polyline({{-9, height}, {9, height}}), .motion = Translation<2>{{speed, 0}}}});
+         {{.faces = polyline({{-9, height}, {9, height}}), .motion = Translation<2>{{of_lid, 0}}}});
   Box<2> box{.lower = {0, -1}, .upper = {0.2, 1}};
-  box.periodic[0] = true;
+  box.periodic[0] = !is_cavity;
   mps::Fluid<2> fluid{box};
   for (const auto& x : lattice<2>({{0, 0}, {0.2, height}}, l0)) {
     mps::add_particle(fluid, x, mps::Kind::fluid);
   }
-  Simulation sim{fluid, UniformGrid<2>{}, mps::Flow<Sticking>{settings}, SemiImplicit<>{}};
+  return Simulation{fluid, UniformGrid<2>{}, mps::Flow<Sticking>{settings}, SemiImplicit<>{}};
+}
+// Couette flow: the velocity, and the stress on both walls, μU/h.
+TEST(MovingWalls, DragFluidThatSticksToThem) {
+  auto sim = below_a_lid(false);
   while (sim.time() < 4) sim.step();  // the slowest part decays by exp(−π² ν t/h²) = 5e-5
   const auto x = sim.particles()[position];
   const auto u = sim.particles()[velocity];
   for (Index i = 0; i < sim.particles().size(); ++i) {
-    EXPECT_NEAR(u[i][0], speed * x[i][1] / height, 0.02 * speed);
+    EXPECT_NEAR(u[i][0], of_lid * x[i][1] / 0.2, 0.02 * of_lid);
+  }
+  const double drag = 1000 * 1e-2 * of_lid / 0.2 * 0.2;
+  EXPECT_NEAR(WallLoad<2>{WallGroup::moving_faces(0)}.read(sim)[0], -drag, 0.02 * drag);
+  EXPECT_NEAR(WallLoad<2>{WallGroup{}}.read(sim)[0], drag, 0.02 * drag);
+}
+// The load of all walls, with their viscous stress, is all that changes the momentum.
+TEST(MovingWalls, ChangeTheMomentumByTheirLoadAlone) {
+  auto sim = below_a_lid(true);
+  const auto momentum = [&] {
+    Vec<2> sum = Vec<2>::Zero();
+    for (const Vec<2>& u : sim.particles()[velocity]) sum += 1000 * l0 * l0 * u;
+    return sum;
+  };
+  for (int k = 0; k < 20; ++k) {
+    const Vec<2> before = momentum();
+    sim.step();
+    const Vec<2> impulse = -sim.last_time_step() * WallLoad<2>::of_all_walls().read(sim);
+    EXPECT_LT((momentum() - before - impulse).norm(), 1e-10 * impulse.norm()) << k;
   }
 }
 

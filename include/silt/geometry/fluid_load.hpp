@@ -51,7 +51,7 @@ struct BoundsOfFaces {
 /// P n over the walls that are first seen along an axis is that of ψ ∂P + P ∂ψ over the fluid which
 /// sees them, with derivatives along the axis, where ψ is 1 on these walls, 0 on those in the
 /// opposite direction and linear between both, or 1 if there are none. For ∂P stands −ρ times the
-/// acceleration. Refers to the walls.
+/// acceleration. The viscous stress of walls acts on the nearest one. Refers to the walls.
 template <int Dim>
 class FluidLoad {
  public:
@@ -62,6 +62,13 @@ class FluidLoad {
     Direction direction;
     SeenFace face;
     Vec foot;  ///< where the line meets it [m]
+  };
+
+  /// The wall nearest to a particle.
+  struct NearestWall {
+    std::uint32_t element = 0;  ///< the number of the face
+    Vec foot;                   ///< its point nearest to the particle [m]
+    Vec particle;               ///< [m]
   };
 
   /// For walls in a box, where they were when the fluid had these changes of momentum.
@@ -84,14 +91,16 @@ class FluidLoad {
   const Box<Dim>& box() const { return box_; }
 
   /// The load by all particles of this process, whose changes have the members of
-  /// mps::MomentumChange, and its torque about a point [m]. share_of(x, seen_wall) is the share [-]
-  /// of the load on a wall, seen from x, that counts; 0 at an infinite distance. Outside of the
-  /// bounds nothing does.
-  template <class Change, class ShareOf>
+  /// mps::MomentumChange, and its torque about a point [m]. counts(x, seen_wall) tells whether the
+  /// load counts on a wall that is seen from x, false at an infinite distance; outside of the
+  /// bounds none does. counts_near(nearest_wall) tells it of the viscous stress.
+  template <class Change, class Counts, class CountsNear>
   BodyLoad<Dim> sum(const Buffer<Change>& changes, const BoundsOfFaces<Dim>& bounds,
-                    const Vec& about, ShareOf&& share_of) const {
+                    const Vec& about, Counts&& counts, CountsNear&& counts_near) const {
     return in_body(ordered_sum(changes.size(), zero_of<Numbers>(), [&](Index i) {
-      return in_row(by(changes[i], bounds, about, share_of));
+      BodyLoad<Dim> load = by(changes[i], bounds, about, counts);
+      if (!changes[i].wall_stress.isZero(0)) add_stress(changes[i], about, counts_near, load);
+      return in_row(load);
     }));
   }
   /// The sum of the loads of all processes.
@@ -102,6 +111,8 @@ class FluidLoad {
 
  private:
   using Numbers = silt::Vec<Dim + angular_size<Dim>>;
+  // Spacings: beyond the effective radius of the viscous term, walls have no stress.
+  static constexpr double range_of_stress = 5;
 
   static Numbers in_row(const BodyLoad<Dim>& load) {
     Numbers row;
@@ -115,9 +126,9 @@ class FluidLoad {
     for (int k = 0; k < angular_size<Dim>; ++k) component(load.torque, k) = row[Dim + k];
     return load;
   }
-  template <class Change, class ShareOf>
+  template <class Change, class Counts>
   BodyLoad<Dim> by(const Change& change, const BoundsOfFaces<Dim>& bounds, const Vec& about,
-                   ShareOf&& share_of) const {
+                   Counts&& counts) const {
     BodyLoad<Dim> load;
     const Vec x = change.position + aside_;
     for (int axis = 0; axis < Dim; ++axis) {
@@ -126,12 +137,11 @@ class FluidLoad {
       const double gap = seen[0].face.distance + seen[1].face.distance;
       double push = 0;
       for (const std::size_t side : {0u, 1u}) {
-        const double counts = share_of(x, seen[side]);
-        if (counts == 0) continue;
+        if (!counts(x, seen[side])) continue;
         const double sign = side == 0 ? -1 : 1;
         const double share = is_finite(gap) ? seen[1 - side].face.distance / gap : 1;
-        push += counts * (sign * volume_ * change.pressure / gap -
-                          share * momentum_ * change.velocity_change[axis]);
+        push += sign * volume_ * change.pressure / gap -
+                share * momentum_ * change.velocity_change[axis];
       }
       Vec along = Vec::Zero();
       along[axis] = push;
@@ -139,6 +149,23 @@ class FluidLoad {
       load.torque += cross(Vec(x - about), along);
     }
     return load;
+  }
+  template <class Change, class CountsNear>
+  void add_stress(const Change& change, const Vec& about, CountsNear&& counts_near,
+                  BodyLoad<Dim>& load) const {
+    NearestWall nearest;
+    double least = std::numeric_limits<double>::infinity();
+    walls_.for_each_near(change.position, range_of_stress * spacing_, [&](std::uint32_t k) {
+      const Vec foot = nearest_of(walls_[k].face, change.position);
+      const double distance = (foot - change.position).norm();
+      if (!(distance < least)) return;
+      least = distance;
+      nearest = {k, foot, change.position};
+    });
+    if (!is_finite(least) || !counts_near(nearest)) return;
+    const Vec push = -momentum_ * change.wall_stress;
+    load.force += push;
+    load.torque += cross(Vec(nearest.foot - about), push);
   }
   SeenWall in(const Direction& direction, const Vec& x) const {
     SeenWall seen{direction, first_face_in(box_, walls_, x, direction), x};

@@ -12,6 +12,8 @@
 #include <silt/geometry/rigid_body.hpp>
 #include <silt/measure/wall_group.hpp>
 
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -19,9 +21,9 @@
 namespace silt {
 
 /// Force of a fluid on some of its walls in the last step, by what stops the fluid there, pressure
-/// or collisions; viscous stresses are not included. Of fluid that sees a wall along every axis,
-/// the loads of all walls are the whole change of momentum by pressure, collisions and the friction
-/// between particles, to round-off. See FluidLoad.
+/// or collisions, and by the stress of walls with friction, such as those of NoSlip. Of fluid that
+/// sees a wall along every axis, the loads of all walls are the whole change of momentum by
+/// pressure, collisions and the friction between particles, to round-off. See FluidLoad.
 template <int Dim>
 class WallLoad {
  public:
@@ -97,8 +99,8 @@ class WallLoad {
     return message_of({"force and torque about ", to_text(about_),
                        group_.is_at_rest() ? " m" : " m, which moves with the group",
                        " of the fluid on ", kind, Dim == 2 ? " [N/m], [N]" : " [N], [N m]",
-                       ": the change of momentum by pressure and collisions in the last step; no "
-                       "average in time, and no viscous stresses"});
+                       ": the change of momentum by pressure, collisions and friction in the last "
+                       "step; no average in time"});
   }
   /// The force [N] and the torque [N m], in 2D per metre of depth. Throws as read().
   template <class Sim>
@@ -116,6 +118,7 @@ class WallLoad {
  private:
   enum class Counts : std::uint8_t { faces, group, all };
   using SeenWall = typename FluidLoad<Dim>::SeenWall;
+  using NearestWall = typename FluidLoad<Dim>::NearestWall;
 
   WallLoad() : counts_(Counts::all) {}
 
@@ -134,7 +137,8 @@ class WallLoad {
     BoundsOfFaces<Dim> bounds;
     for (const auto& element : faces.elements()) bounds.enclose(element.face);
     return by_fluid.sum(
-        flow.momentum_changes(), bounds, about, [&](const Vec<Dim>& x, const SeenWall& seen) {
+        flow.momentum_changes(), bounds, about,
+        [&](const Vec<Dim>& x, const SeenWall& seen) {
           const double wall = seen.face.distance;
           const double face =
               first_face_in(by_fluid.box(), faces, x, seen.direction, false).distance;
@@ -142,7 +146,13 @@ class WallLoad {
             fail({"WallLoad: a face is not on a wall of the flow, but ", face, " m from ",
                   to_text(x), " m in the fluid; give faces of the walls, or parts of them"});
           }
-          return is_finite(face) && face < wall + margin ? 1.0 : 0.0;
+          return is_finite(face) && face < wall + margin;
+        },
+        [&](const NearestWall& wall) {
+          return std::ranges::any_of(faces.elements(), [&](const auto& element) {
+            return element.height(wall.particle) > 0 &&
+                   (nearest_of(element.face, wall.foot) - wall.foot).norm() < margin;
+          });
         });
   }
   template <class Sim>
@@ -155,13 +165,13 @@ class WallLoad {
     for (const auto& element : walls.elements()) {
       if (all_count || element.group == group) bounds.enclose(element.face);
     }
-    return by_fluid.sum(simulation.interaction().momentum_changes(), bounds, about,
-                        [&](const Vec<Dim>&, const SeenWall& seen) {
-                          const bool counts =
-                              is_finite(seen.face.distance) &&
-                              (all_count || walls[seen.face.element].group == group);
-                          return counts ? 1.0 : 0.0;
-                        });
+    const auto counts = [&](std::uint32_t k) { return all_count || walls[k].group == group; };
+    return by_fluid.sum(
+        simulation.interaction().momentum_changes(), bounds, about,
+        [&](const Vec<Dim>&, const SeenWall& seen) {
+          return is_finite(seen.face.distance) && counts(seen.face.element);
+        },
+        [&](const NearestWall& wall) { return counts(wall.element); });
   }
 
   Counts counts_;

@@ -11,6 +11,7 @@ template <int Dim>
 struct MomentumChange {
   Vec<Dim> position = Vec<Dim>::Zero();         ///< of the particle [m]
   Vec<Dim> velocity_change = Vec<Dim>::Zero();  ///< by pressure, collisions and friction [m/s]
+  Vec<Dim> wall_stress = Vec<Dim>::Zero();      ///< change by the viscous stress of walls [m/s]
   double pressure = 0;                          ///< [Pa]
 };
 

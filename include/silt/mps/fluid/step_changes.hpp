@@ -16,14 +16,17 @@ namespace silt::mps {
 /// `collision` of pairs, `pressure`), and its shift [m]; empty for a stage without effect.
 template <class Vec>
 struct StepChanges {
-  Buffer<Vec> predictor;  ///< gravity, force and viscosity
+  Buffer<Vec> predictor;    ///< gravity, force and viscosity
+  Buffer<Vec> wall_stress;  ///< the part of it that is by the viscous stress of walls of faces
   Buffer<Vec> friction;
   Buffer<Vec> collision;
   Buffer<Vec> pressure;
   Buffer<Vec> shift;
 
   void clear() {
-    for (auto* changes : {&predictor, &friction, &collision, &pressure, &shift}) changes->clear();
+    for (auto* changes : {&predictor, &wall_stress, &friction, &collision, &pressure, &shift}) {
+      changes->clear();
+    }
   }
 };
 

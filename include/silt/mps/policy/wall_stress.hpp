@@ -107,6 +107,24 @@ struct WallLaw {
   }
 };
 
+/// The part of a velocity change by viscosity and walls [m/s] that is by the walls: all but that of
+/// the viscosity among particles, whose sum over them is zero.
+template <class View>
+[[gnu::flatten]] typename View::Vec part_of_walls(const View& at, double nu,
+                                                  const typename View::Vec& change) {
+  using Vec = typename View::Vec;
+  using Real = typename View::Real;
+  const auto u = at.velocities();
+  const Vec among_particles = mps::laplacian(at.laplacian_stencil(), at.velocity(), [&](auto&& f) {
+    at.for_each_in_laplacian([&](const auto& j) {
+      if constexpr (!std::remove_cvref_t<decltype(j)>::is_image) {
+        f(Vec(j.velocity(u)), j.r_ij, j.weight, j.weight_over_square);
+      }
+    });
+  });
+  return change - (Real(at.time_step()) * Real(nu)) * among_particles;
+}
+
 /// s.velocity_change(at, ν) is that of a fluid particle in a step by the viscosity ν > 0 [m²/s] and the
 /// walls [m/s], from its ParticleView, before any velocity is changed.
 template <class S>

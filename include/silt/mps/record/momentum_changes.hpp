@@ -34,8 +34,12 @@ class MomentumChanges {
       Change change = changes.pressure[i];
       if (!changes.friction.empty()) change += changes.friction[i];
       if (!changes.collision.empty()) change += changes.collision[i];
-      all_[i] = {x[i].template cast<double>(), change.template cast<double>(),
-                 double(pressures[i])};
+      all_[i] = {.position = x[i].template cast<double>(),
+                 .velocity_change = change.template cast<double>(),
+                 .pressure = double(pressures[i])};
+      if (!changes.wall_stress.empty()) {
+        all_[i].wall_stress = changes.wall_stress[i].template cast<double>();
+      }
     });
   }
 

@@ -135,6 +135,14 @@ class BasicFlow {
       if (nu > 0) change += settings_.wall_stress.velocity_change(step.at(i), nu);
       return change;
     });
+    if constexpr (needs_wall_stress) {
+      if (nu > 0) {
+        find_changes(particles, changes_.wall_stress, [&](Index i) -> Vec {
+          if (!operators_.walls().are_near(i)) return Vec::Zero();
+          return part_of_walls(step.at(i), nu, Vec(changes_.predictor[i] - dt * force_[i]));
+        });
+      }
+    }
     if constexpr (HasFriction<FrictionOf<Scheme>>) {
       find_friction(friction_, step, changes_.friction);
       apply_changes(changes_.friction, particles, velocity);
@@ -236,6 +244,11 @@ class BasicFlow {
 
  private:
   using Operators = FlowOperators<Scheme, Dim, Real>;
+
+  // For the loads of walls. Along walls without friction there is none.
+  static constexpr bool needs_wall_stress =
+      AddsImages<typename WallsOf<Scheme>::template InFlow<Dim, Real>> &&
+      !std::same_as<WallStressOf<Scheme>, FreeSlip>;
 
   static Settings checked(const Settings& settings) {
     settings.check();

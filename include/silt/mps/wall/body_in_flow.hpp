@@ -37,9 +37,9 @@ struct WettedBounds {
 ///
 /// as the load has a part −Mₐ ΔW/Δt, Mₐ the added mass: W = V (θ = 1) would be unstable for a body
 /// lighter than its added mass. With M > 0.44 Mₐ − 0.56 m it is stable at every density; M is twice
-/// the added mass of a plate as large as the wetted part. A, the acceleration, lets W keep up with a V
-/// that changes steadily, and the poles of V − W are those of critical damping for Mₐ = M. The spin
-/// follows likewise.
+/// the added mass of a plate as large as the wetted part. A, the acceleration, lets W keep up with
+/// a V that changes steadily, and the poles of V − W are those of critical damping for Mₐ = M. The
+/// spin follows likewise.
 template <int Dim>
 class BodyInFlow {
  public:

@@ -304,6 +304,8 @@ class ImageWalls::InFlow {
   Real divergence(const View& at, const U& u) const {
     return divergence_with_images<Dim, Real>(at, *this, flow_[at.index()], u);
   }
+  /// Whether faces are near particle i.
+  bool are_near(Index i) const { return near_.has_faces(i); }
   /// Whether there are walls that move.
   bool move() const { return !motions_.empty(); }
   /// See power_of_walls().

@@ -36,12 +36,15 @@ class LoadOnGroup {
   /// By the particles with these changes; sum_of_all(numbers) are the sums over all processes.
   template <class SumOfAll>
   BodyLoad<Dim> sum(const Buffer<MomentumChange<Dim>>& changes, SumOfAll&& sum_of_all) const {
-    const auto share_of = [&](const Vec&, const typename FluidLoad<Dim>::SeenWall& seen) {
-      return is_finite(seen.face.distance) && load_.walls()[seen.face.element].group == group_
-                 ? 1.0
-                 : 0.0;
-    };
-    const BodyLoad<Dim> own = load_.sum(changes, bounds_, about_, share_of);
+    const auto is_of_group = [&](std::uint32_t k) { return load_.walls()[k].group == group_; };
+    const BodyLoad<Dim> own = load_.sum(
+        changes, bounds_, about_,
+        [&](const Vec&, const typename FluidLoad<Dim>::SeenWall& seen) {
+          return is_finite(seen.face.distance) && is_of_group(seen.face.element);
+        },
+        [&](const typename FluidLoad<Dim>::NearestWall& wall) {
+          return is_of_group(wall.element);
+        });
     silt::Vec<6> numbers = silt::Vec<6>::Zero();
     for (int k = 0; k < Dim; ++k) numbers[k] = own.force[k];
     for (int k = 0; k < angular_size<Dim>; ++k) numbers[Dim + k] = component(own.torque, k);
