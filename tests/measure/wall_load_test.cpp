@@ -2,6 +2,7 @@
 #include <silt/core/lattice.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/vtk_walls.hpp>
 #include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/wall/moving_walls.hpp>
@@ -270,6 +271,13 @@ TEST(WallLoad, OfABodyIsWhatMovesIt) {
     EXPECT_LT((WallLoad<2>{faces, group}.read(sim) - force).norm(), 1e-9 * mass * g);
     const Vec<2> all = WallLoad<2>::of_all_walls().read(sim);
     EXPECT_LT((all - force - WallLoad<2>{WallGroup{}}.read(sim)).norm(), 1e-9 * mass * g);
+    // The same in frames for ParaView.
+    const auto loads =
+        sim.interaction().loads_on_moving_walls(sim.particles(), sim.last_time_step());
+    ASSERT_EQ(loads.size(), 1u);
+    EXPECT_LT((loads[0].force - force).norm(), 1e-9 * mass * g);
+    EXPECT_NE(vtk_frame_of_walls(sim.interaction().walls(), loads).find("Name=\"torque\""),
+              std::string::npos);
   }
 }
 

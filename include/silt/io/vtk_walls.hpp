@@ -14,17 +14,23 @@
 namespace silt {
 
 /// One frame, as the bytes of a .vtu file: a line (2D) or a triangle for every face of walls that
-/// have for_each_face(), see mps::ImageWalls::InFlow, with its group and velocity [m/s].
-template <class Walls>
-[[gnu::cold]] std::string vtk_frame_of_walls(const Walls& walls) {
+/// have for_each_face(), see mps::ImageWalls::InFlow, with its group, its velocity [m/s], and
+/// force [N] and torque [N m] of the fluid on the whole group, in 2D per metre of depth: `loads` of
+/// groups 1, 2, … have them, and otherwise they are 0.
+template <class Walls, class Loads>
+[[gnu::cold]] std::string vtk_frame_of_walls(const Walls& walls, const Loads& loads) {
   constexpr int dimension = Walls::dimension;
   using Vec = silt::Vec<dimension>;
-  Buffer<Vec> corners, velocities;
+  Buffer<Vec> corners, velocities, forces;
+  Buffer<AngularVec<dimension>> torques;
   Buffer<std::uint32_t> groups;
   walls.for_each_face([&](const auto& face, std::uint32_t group, const Vec& of_face) {
     for (const Vec& corner : face.corners) corners.push_back(corner);
     groups.push_back(group);
     velocities.push_back(of_face);
+    const bool has_load = group > 0 && group <= loads.size();
+    forces.push_back(has_load ? loads[group - 1].force : Vec(Vec::Zero()));
+    torques.push_back(has_load ? loads[group - 1].torque : zero_of<AngularVec<dimension>>());
   });
   const Index faces = groups.size();
   Buffer<std::int64_t> numbers(corners.size()), ends(faces);
@@ -35,15 +41,16 @@ template <class Walls>
     using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
     return detail::xml_of(detail::vtk_array<Value>(name, values));
   };
-  return detail::vtk_file(
-      corners.size(), faces, xml("position", corners),
-      xml("connectivity", numbers) + xml("offsets", ends) + xml("types", types), "",
-      "<CellData>\n" + xml("group", groups) + xml("velocity", velocities) + "</CellData>\n");
+  return detail::vtk_file(corners.size(), faces, xml("position", corners),
+                          xml("connectivity", numbers) + xml("offsets", ends) + xml("types", types),
+                          "",
+                          "<CellData>\n" + xml("group", groups) + xml("velocity", velocities) +
+                              xml("force", forces) + xml("torque", torques) + "</CellData>\n");
 }
 
 /// Observer that writes a frame of the walls of a flow at every output, as VtkSeries does of the
-/// particles: where walls and bodies are after the step. Group 0 are the walls at rest, then follow
-/// those that move, and the bodies.
+/// particles: where walls and bodies are after the step, and their load in it. Group 0 are the
+/// walls at rest, whose load is not computed, then follow those that move, and the bodies.
 class VtkWalls : public VtkSeries {
  public:
   using VtkSeries::VtkSeries;
@@ -52,15 +59,20 @@ class VtkWalls : public VtkSeries {
   template <class Sim>
     requires requires(const Sim& simulation) {
       simulation.interaction().walls();
+      simulation.interaction().loads_on_moving_walls(simulation.particles(),
+                                                     simulation.last_time_step());
       simulation.time();
     }
   [[gnu::cold]] void operator()(const Sim& simulation) {
     bool was_read = false;
     if constexpr (requires { simulation.was_read(); }) was_read = simulation.was_read();
+    const auto& flow = simulation.interaction();
+    const auto loads =
+        flow.loads_on_moving_walls(simulation.particles(), simulation.last_time_step());
     // All processes have all faces.
     if (process_of(simulation.particles()).rank > 0) return;
     this->write(double(simulation.time()), was_read, Process{},
-                vtk_frame_of_walls(simulation.interaction().walls()));
+                vtk_frame_of_walls(flow.walls(), loads));
   }
 };
 

@@ -75,6 +75,12 @@ class BasicFlow {
   const Buffer<MomentumChange<Dim>>& momentum_changes() const noexcept {
     return record_.momentum_changes();
   }
+  /// Force [N] and torque [N m] of the fluid on each group of walls that moves, then on each body,
+  /// in the last step, whose length is given [s]: see WallMover::loads(). In 2D per metre of depth.
+  template <FluidParticles P>
+  auto loads_on_moving_walls(const P& particles, double time_step) const {
+    return walls().loads_on_moving(particles, momentum_changes(), settings_, time_step);
+  }
   double seconds_in_pressure() const noexcept { return seconds_.pressure; }  ///< [s], wall time
 
   /// Interaction range: the larger of the two effective radii [m].

@@ -162,6 +162,17 @@ class ImageWalls::InFlow {
     with_flow(particles, changes, settings, {time, time_step},
               [&](const FlowOfStep<Dim>& flow) { motions_->end_step(flow); });
   }
+  /// See WallMover::loads(); of walls at rest none.
+  template <FluidParticles P, class Settings>
+  [[gnu::cold]] std::vector<BodyLoad<Dim>> loads_on_moving(
+      const P& particles, const Buffer<MomentumChange<Dim>>& changes, const Settings& settings,
+      double time_step) const {
+    std::vector<BodyLoad<Dim>> loads;
+    if (motions_.empty()) return loads;
+    with_flow(particles, changes, settings, {.time_step = time_step},
+              [&](const FlowOfStep<Dim>& flow) { loads = motions_->loads(flow); });
+    return loads;
+  }
   /// Of the walls that move, from a time [s] on: see WallMover::longest_step(); the distance is in
   /// [m].
   double longest_step(double time, double distance) const {
@@ -360,12 +371,12 @@ class ImageWalls::InFlow {
     }
   }
   struct Duration {
-    double time;       // when the step began [s]
+    double time = 0;   // when the step began [s]
     double time_step;  // [s]
   };
   template <class P, class Settings, class F>
   [[gnu::cold]] void with_flow(const P& particles, const Buffer<MomentumChange<Dim>>& changes,
-                               const Settings& settings, const Duration& step, F&& f) {
+                               const Settings& settings, const Duration& step, F&& f) const {
     const auto& box = particles.box();
     const auto acceleration = [&](const silt::Vec<Dim>& x) -> silt::Vec<Dim> {
       if (!settings.body_force) return settings.gravity;

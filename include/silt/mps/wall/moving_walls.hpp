@@ -177,10 +177,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
     loads_.resize(bodies_.size());
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      const LoadOnGroup<Dim> load_on(
-          flow.near.faces(), group_of_body(b), flow.box, bodies_[b].state().position,
-          {.density = flow.density, .spacing = flow.spacing, .time_step = flow.time_step});
-      loads_[b] = load_on.sum(flow.changes, flow.sum);
+      loads_[b] = load_on(group_of_body(b), bodies_[b].state().position, flow);
     }
     if (!coupling_.change(bodies_, loads_, flow)) return false;
     find_steps_of_bodies();
@@ -200,6 +197,18 @@ class MovingWallsInFlow final : public WallMover<Dim> {
             "reduce the time step, take away fluid in it with remove_inside(), or give it a larger "
             "density"});
     }
+  }
+
+  std::vector<BodyLoad<Dim>> loads(const FlowOfStep<Dim>& flow) const override {
+    std::vector<BodyLoad<Dim>> loads;
+    for (std::uint32_t group = 1; group <= now_.steps.size(); ++group) {
+      const bool is_body = group > groups_.size();
+      const Vec about = is_body ? now_.steps[group - 1].before.x_of(
+                                      bodies_[group - 1 - groups_.size()].mass_properties().centre)
+                                : Vec(Vec::Zero());
+      loads.push_back(load_on(group, about, flow));
+    }
+    return loads;
   }
 
   double longest_step(double t, double distance) const override {
@@ -285,6 +294,12 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   }
   double expected_speed() const { return now_.fastest_given + now_.fastest_of_fall; }
 
+  static BodyLoad<Dim> load_on(std::uint32_t group, const Vec& about, const FlowOfStep<Dim>& flow) {
+    const LoadOnGroup<Dim> load(
+        flow.near.faces(), group, flow.box, about,
+        {.density = flow.density, .spacing = flow.spacing, .time_step = flow.time_step});
+    return load.sum(flow.changes, flow.sum);
+  }
   void find_steps_of_bodies() {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       now_.steps[groups_.size() + b] = bodies_[b].step(time_step_);

@@ -24,6 +24,13 @@
 #include <utility>
 #include <vector>
 
+namespace silt {
+
+template <int Dim>
+struct BodyLoad;
+
+}  // namespace silt
+
 namespace silt::mps {
 
 template <int Dim>
@@ -80,6 +87,9 @@ class WallMover {
   virtual bool change_velocities(const FlowOfStep<Dim>& flow, Faces<Dim>& faces) = 0;
   /// Ends the step of the bodies, with the load of the last call of change_velocities().
   virtual void end_step(const FlowOfStep<Dim>& flow) = 0;
+  /// Load of the fluid on each group, group 1 first, in a step that has ended: force and torque,
+  /// about the centre of mass of a body, otherwise about the origin.
+  virtual std::vector<BodyLoad<Dim>> loads(const FlowOfStep<Dim>& flow) const = 0;
   /// The longest time step from time t [s] on, in which no wall moves by more than `distance` [m]
   /// or a twentieth of its period [s].
   virtual double longest_step(double t, double distance) const = 0;
