@@ -3,6 +3,7 @@
 // only in programs that have moving walls, see moving_walls.hpp.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
