@@ -12,12 +12,26 @@
     heap.run(until=1.0)
     print(heap["position"][:, 1].max())
 
-See grain_simulation, flow_simulation, Simulation and Column. All quantities are in SI units.
+See grain_simulation, flow_simulation, MovingFaces, FloatingBody, Simulation and Column. All quantities are in SI units.
 """
 
 from ._silt import version as __version__
 from .column import Column
 from .error import Error
+from .moving import (
+    BodyState,
+    FloatingBody,
+    MassProperties,
+    MotionFunction,
+    MovingFaces,
+    Rotation,
+    TabulatedMotion,
+    Translation,
+    Vibration,
+    faces_of_box,
+    faces_of_polyline,
+    remove_inside,
+)
 from .setup import (
     Box,
     BoxWall,
@@ -32,9 +46,10 @@ from .setup import (
     Segment,
     lattice,
 )
-from .simulation import Simulation, VtkSeries, flow_simulation, grain_simulation, use_threads
+from .simulation import Simulation, VtkSeries, VtkWalls, flow_simulation, grain_simulation, use_threads
 
 __all__ = [
+    "BodyState",
     "Box",
     "BoxWall",
     "Circle",
@@ -42,17 +57,29 @@ __all__ = [
     "CundallStrack",
     "Cylinder",
     "Error",
+    "FloatingBody",
     "HertzMindlin",
     "LinearSpringDashpot",
+    "MassProperties",
     "MeshWall",
+    "MotionFunction",
+    "MovingFaces",
     "Plane",
     "Polyline",
+    "Rotation",
     "Segment",
     "Simulation",
+    "TabulatedMotion",
+    "Translation",
+    "Vibration",
     "VtkSeries",
+    "VtkWalls",
     "__version__",
+    "faces_of_box",
+    "faces_of_polyline",
     "flow_simulation",
     "grain_simulation",
     "lattice",
+    "remove_inside",
     "use_threads",
 ]

@@ -11,6 +11,18 @@ import numpy as np
 from .error import Error
 
 
+def convert(part, **conversions) -> None:
+    """Converts attributes of a frozen dataclass; names them in errors."""
+    for name, conversion in conversions.items():
+        converted = conversion(f"{type(part).__name__}: {name}", getattr(part, name))
+        object.__setattr__(part, name, converted)
+
+
+def optional(conversion):
+    """The same conversion of an argument that may be None."""
+    return lambda name, value: None if value is None else conversion(name, value)
+
+
 def number(name: str, value) -> float:
     """A number. It may be infinite or NaN: that is for the simulation to judge."""
     try:
@@ -56,6 +68,28 @@ def vector(name: str, value) -> tuple[float, ...]:
     if numbers.ndim != 1 or len(numbers) not in (2, 3):
         raise Error(f"{name} has the shape {numbers.shape}; give 2 numbers in 2D, 3 in 3D")
     return tuple(numbers.tolist())
+
+
+def angular(name: str, value) -> tuple[float, ...]:
+    """A turn, spin or torque: a number in 2D, three numbers in 3D."""
+    numbers = array(name, value)
+    if numbers.shape not in ((), (1,), (3,)):
+        raise Error(f"{name} has the shape {numbers.shape}; give a number in 2D, 3 numbers in 3D")
+    return tuple(numbers.reshape(-1).tolist())
+
+
+def flags(name: str, value) -> tuple[bool, ...]:
+    """True or False for each axis."""
+    return tuple(x != 0 for x in vector(name, value))
+
+
+def faces(name: str, value) -> np.ndarray:
+    """An array of shape (n, 2, 2) or (n, 3, 3)."""
+    numbers = array(name, value)
+    if numbers.ndim != 3 or numbers.shape[1:] not in ((2, 2), (3, 3)):
+        raise Error(f"{name} has the shape {numbers.shape}; give (n, 2, 2) in 2D, the ends of segments, or (n, 3, 3) "
+                    "in 3D, the corners of triangles")
+    return numbers
 
 
 def points(name: str, value) -> np.ndarray:

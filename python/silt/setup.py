@@ -11,13 +11,6 @@ from . import _silt, arguments
 from .error import Error
 
 
-def _convert(part, **conversions) -> None:
-    """Converts attributes of a frozen dataclass; names them in errors."""
-    for name, convert in conversions.items():
-        converted = convert(f"{type(part).__name__}: {name}", getattr(part, name))
-        object.__setattr__(part, name, converted)
-
-
 def lattice(lower, upper, spacing: float) -> np.ndarray:
     """Centres of the cells of edge `spacing` [m] that fill the box from its lower corner.
 
@@ -37,7 +30,7 @@ class _Law:
     """Base of the laws, all of whose attributes are numbers."""
 
     def __post_init__(self):
-        _convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
+        arguments.convert(self, **{field.name: arguments.number for field in dataclasses.fields(self)})
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -109,10 +102,10 @@ class Plane:
     point: tuple[float, ...] | None = None
 
     def __post_init__(self):
-        _convert(self, normal=arguments.vector)
+        arguments.convert(self, normal=arguments.vector)
         if self.point is None:
             object.__setattr__(self, "point", (0.0,) * len(self.normal))
-        _convert(self, point=arguments.vector)
+        arguments.convert(self, point=arguments.vector)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -127,7 +120,7 @@ class BoxWall:
     grains: str = "inside"
 
     def __post_init__(self):
-        _convert(self, lower=arguments.vector, upper=arguments.vector, grains=_side)
+        arguments.convert(self, lower=arguments.vector, upper=arguments.vector, grains=_side)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -143,7 +136,7 @@ class Circle:
     grains: str = "inside"
 
     def __post_init__(self):
-        _convert(self, centre=arguments.vector, radius=arguments.number, grains=_side)
+        arguments.convert(self, centre=arguments.vector, radius=arguments.number, grains=_side)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -157,7 +150,7 @@ class Segment:
     end: tuple[float, ...]
 
     def __post_init__(self):
-        _convert(self, start=arguments.vector, end=arguments.vector)
+        arguments.convert(self, start=arguments.vector, end=arguments.vector)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -172,7 +165,7 @@ class Polyline:
     closed: bool = False
 
     def __post_init__(self):
-        _convert(self, points=arguments.points, closed=arguments.flag)
+        arguments.convert(self, points=arguments.points, closed=arguments.flag)
         if self.points.shape[1] != 2:
             raise Error(f"Polyline: points has the shape {self.points.shape}; give (n, 2)")
 
@@ -193,8 +186,8 @@ class Cylinder:
     ends: bool = False
 
     def __post_init__(self):
-        _convert(self, start=arguments.vector, end=arguments.vector, radius=arguments.number, grains=_side,
-                 ends=arguments.flag)
+        arguments.convert(self, start=arguments.vector, end=arguments.vector, radius=arguments.number, grains=_side,
+                          ends=arguments.flag)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
@@ -207,7 +200,7 @@ class MeshWall:
     triangles: np.ndarray
 
     def __post_init__(self):
-        _convert(self, triangles=arguments.array)
+        arguments.convert(self, triangles=arguments.array)
         if self.triangles.ndim != 3 or self.triangles.shape[1:] != (3, 3):
             raise Error(f"MeshWall: triangles has the shape {self.triangles.shape}; give (n, 3, 3)")
 
@@ -237,9 +230,9 @@ class Box:
     on_escape: str = "refuse"
 
     def __post_init__(self):
-        _convert(self, lower=arguments.vector, upper=arguments.vector,
-                 on_escape=lambda name, value: arguments.choice(name, value, ("refuse", "remove")))
+        arguments.convert(self, lower=arguments.vector, upper=arguments.vector,
+                          on_escape=lambda name, value: arguments.choice(name, value, ("refuse", "remove")))
         periodic = (False,) * len(self.lower) if self.periodic is None else self.periodic
         object.__setattr__(self, "periodic", periodic)
-        _convert(self, periodic=lambda name, value: tuple(x != 0 for x in arguments.vector(name, value)))
+        arguments.convert(self, periodic=arguments.flags)
 

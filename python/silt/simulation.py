@@ -11,6 +11,7 @@ import numpy as np
 from . import _silt, arguments
 from .column import Column
 from .error import Error
+from .moving import BodyState, FloatingBody, MovingFaces
 from .setup import LAWS, WALLS, Box
 
 
@@ -193,7 +194,7 @@ class Simulation:
 
     def energies(self) -> dict[str, float]:
         """Energies by name [J], in 2D per metre of thickness: "kinetic" and "potential" (zero at the origin);
-        of grains also "rotational", and "elastic", in the contacts of the last step."""
+        of grains also "rotational", and "elastic", in the contacts of the last step; of flows without bodies."""
         return self._core.energies()
 
     def set_wall_present(self, wall: int, present: bool) -> None:
@@ -208,8 +209,20 @@ class Simulation:
 
     def wall_load(self, wall: int) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] of all grains on a wall in the last step, and its torque about the origin [N m]: arrays of
-        2 and 1 numbers in 2D (per metre of thickness), of 3 and 3 in 3D."""
+        2 and 1 numbers in 2D (per metre of thickness), of 3 and 3 in 3D. Of a flow, that of the fluid on one of the
+        `moving` walls, from both sides, by what stops the fluid there: 0 before the first step."""
         force, torque = self._core.wall_load(arguments.count("Simulation: wall", wall))
+        return np.array(force), np.array(torque)
+
+    @property
+    def bodies(self) -> tuple[BodyState, ...]:
+        """Of a flow: where the bodies are and how they move, in the order in which they were given."""
+        return tuple(BodyState._of(self._core.body_state(body)) for body in range(self._core.body_count()))
+
+    def body_load(self, body: int) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] of the fluid on a body of a flow in the last step, and its torque about the centre of mass [N m],
+        as wall_load(); without what the `load` of the body returned. Bodies are numbered from 0."""
+        force, torque = self._core.body_load(arguments.count("Simulation: body", body))
         return np.array(force), np.array(torque)
 
     def front(self) -> tuple[float, float]:
@@ -266,6 +279,34 @@ class VtkSeries:
     def frames(self) -> int:
         """Number of frames written so far."""
         return self._frames.frames
+
+
+class VtkWalls:
+    """Observer of flows that writes frames of their walls for ParaView, where they are, with their group and velocity:
+    the folder `path`, and `path`.pvd, the file to open. Group 0 is at rest; then follow the moving walls, and the
+    bodies."""
+
+    def __init__(self, path):
+        self._frames = _silt.VtkWalls(arguments.path("VtkWalls: path", path))
+
+    def __call__(self, simulation: Simulation) -> None:
+        simulation._core.write_walls(self._frames)
+
+    @property
+    def frames(self) -> int:
+        """Number of frames written so far."""
+        return self._frames.frames
+
+
+def _several(name: str, given, kind: type) -> list:
+    """A list of objects of a class, from several or one."""
+    if isinstance(given, kind):
+        return [given]
+    objects = list(given) if isinstance(given, Iterable) else [given]
+    for place, each in enumerate(objects):
+        if not isinstance(each, kind):
+            raise Error(f"{name}: {each!r}, at place {place}, is none; give a {kind.__name__}")
+    return objects
 
 
 def grain_simulation(
@@ -334,6 +375,9 @@ def flow_simulation(
     spacing: float,
     tank,
     lid: bool = False,
+    walls=None,
+    moving: Sequence[MovingFaces] = (),
+    bodies: Sequence[FloatingBody] = (),
     velocity=0.0,
     density: float = 1000.0,
     viscosity: float = 1e-6,
@@ -350,6 +394,9 @@ def flow_simulation(
     tank           (length, height) in 2D, (length, depth, height) in 3D [m]; a corner is at the origin, and the
                    walls are exactly there: where fluid should rest, they are half a spacing from its lattice
     lid            whether the tank is closed
+    walls          further faces at rest, shape (n, 2, 2) or (n, 3, 3) [m], see faces_of_box()
+    moving         walls that move, in the tank: several MovingFaces
+    bodies         that float: several FloatingBody. Leave out the fluid inside of them, see remove_inside()
     velocity       shape (n, 2) or (n, 3), or one vector or number for all [m/s]
     density        [kg/m³]
     viscosity      kinematic [m²/s]
@@ -363,11 +410,17 @@ def flow_simulation(
     name = "flow_simulation: "
     x = arguments.points(name + "position", position)
     on_escape = arguments.choice(name + "on_escape", on_escape, ("refuse", "remove"))
+    dimension = x.shape[1]
+    if walls is None:
+        walls = np.zeros((0, dimension, dimension))
     return Simulation._of(_silt.flow(
         x,
         arguments.finite(name + "velocity", arguments.filled(name + "velocity", velocity, x.shape)),
         list(arguments.vector(name + "tank", tank)),
         arguments.flag(name + "lid", lid),
+        arguments.faces(name + "walls", walls),
+        _several(name + "moving", moving, MovingFaces),
+        _several(name + "bodies", bodies, FloatingBody),
         on_escape == "remove",
         arguments.number(name + "spacing", spacing),
         arguments.number(name + "density", density),

@@ -17,6 +17,7 @@
 #include <silt/dem/law/mindlin.hpp>
 #include <silt/io/checkpoint.hpp>
 #include <silt/io/vtk.hpp>
+#include <silt/io/vtk_walls.hpp>
 #include <silt/measure/front.hpp>
 
 #include "any_wall.hpp"
@@ -60,6 +61,16 @@ struct Load {
   std::vector<double> force;
   std::vector<double> torque;
 };
+template <int Dim, class ForceAndTorque>
+Load load_of(const ForceAndTorque& load) {
+  Load result{{load.force.begin(), load.force.end()}, {}};
+  if constexpr (Dim == 2) {
+    result.torque = {load.torque};
+  } else {
+    result.torque.assign(load.torque.begin(), load.torque.end());
+  }
+  return result;
+}
 
 /// What a run calls, without the lock of the interpreter.
 class Hooks {
@@ -107,9 +118,19 @@ class AnySimulation {
     no_grains("set_wall_present", wall, present);
   }
   virtual bool is_wall_present(Index wall) const { return no_grains("is_wall_present", wall); }
-  virtual Load wall_load(Index wall) const { return no_grains("wall_load", wall), Load{}; }
+
+  /// On a wall of grains, or a moving wall of a flow.
+  virtual Load wall_load(Index wall) const = 0;
 
   // Of flows; others throw.
+  virtual Index body_count() const { return no_flow("bodies"), 0; }
+  /// See state_of_body().
+  virtual std::vector<double> body_state(Index body) const {
+    return no_flow("bodies", body), std::vector<double>{};
+  }
+  /// Its torque is about the centre of mass.
+  virtual Load body_load(Index body) const { return no_flow("body_load", body), Load{}; }
+  virtual void write_walls(VtkWalls& frames) const { no_flow("VtkWalls", frames); }
   virtual Front front() const { return no_flow("front"), Front{}; }
   virtual double wall_pressure(const std::vector<double>& point,
                                const std::vector<double>& normal) const {
@@ -177,24 +198,5 @@ using HertzMindlin = dem::Law<dem::Hertz, dem::Mindlin>;
 /// Throws if a number is out of range.
 template <int Dim, class Law>
 std::unique_ptr<AnySimulation> make_grain_simulation(const GrainSetup<Dim>& setup, const Law& law);
-
-/// A flow of mps::Recommended in a rectangular tank with a corner at the origin.
-template <int Dim>
-struct FlowSetup {
-  Rows positions;            ///< [m]
-  Rows velocities;           ///< [m/s]
-  std::vector<double> tank;  ///< length[, depth] and height [m]
-  bool lid = false;
-  OnEscape on_escape = OnEscape::refuse;
-  double spacing = 0;                                  ///< [m]
-  double density = 0;                                  ///< [kg/m³]
-  double viscosity = 0;                                ///< kinematic [m²/s]
-  double speed_scale = 0;                              ///< [m/s]
-  Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< [m/s²]
-};
-
-/// Throws if a number is out of range, or a particle outside of the tank.
-template <int Dim>
-std::unique_ptr<AnySimulation> make_flow_simulation(const FlowSetup<Dim>& setup);
 
 }  // namespace silt::python

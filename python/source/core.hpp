@@ -19,10 +19,6 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#ifdef __GLIBCXX__
-#include <cxxabi.h>
-#endif
-
 #include <chrono>
 #include <cstdint>
 #include <list>
@@ -43,7 +39,12 @@ class Core : public std::enable_shared_from_this<Core> {
 
   /// To read it, or to change it between steps.
   AnySimulation& use(const std::string& function) {
-    if (runner_ && !(is_in_observer_ && *runner_ == this_thread())) {
+    if (runner_ && *runner_ == this_thread() && !is_in_observer_) {
+      fail("Simulation." + function +
+           ": a motion or a load must not use the simulation whose step calls it; it is a function "
+           "of its arguments alone");
+    }
+    if (runner_ && *runner_ != this_thread()) {
       fail("Simulation." + function +
            ": a step or run is in progress in another thread; wait for its end");
     }
@@ -173,22 +174,14 @@ class Core : public std::enable_shared_from_this<Core> {
    public:
     Observers(Core& core, const py::object& observer) : core_(core), observer_(observer) {}
     void make_output() override {
-      const LockedAgain locked;
-      core_.is_in_observer_ = true;
-      try {
-        // Without a temporary object, which would be released without the lock in the case below.
-        const auto result = py::reinterpret_steal<py::object>(PyObject_CallNoArgs(observer_.ptr()));
-        if (!result) throw py::error_already_set();
-#ifdef __GLIBCXX__
-      } catch (const abi::__forced_unwind&) {
-        AtExit::stop_for_good();  // before the destructor of `locked`
-#endif
-      } catch (...) {
+      with_lock([&] {
+        core_.is_in_observer_ = true;
+        PyObject* const result = PyObject_CallNoArgs(observer_.ptr());
         core_.is_in_observer_ = false;
-        throw;
-      }
-      core_.is_in_observer_ = false;
-      core_.require_no_views("Simulation.run: after an observer was called");
+        if (result == nullptr) throw py::error_already_set();
+        Py_DECREF(result);
+        core_.require_no_views("Simulation.run: after an observer was called");
+      });
     }
 
    private:

@@ -8,16 +8,22 @@
 #include <silt/core/types.hpp>
 #include <silt/integrate/semi_implicit.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/vtk_walls.hpp>
 #include <silt/measure/front.hpp>
 #include <silt/measure/wall_gauge.hpp>
+#include <silt/measure/wall_group.hpp>
+#include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 #include <silt/search/uniform_grid.hpp>
 
 #include "any_simulation.hpp"
+#include "body_state.hpp"
+#include "flow_setup.hpp"
 #include "setup_in_file.hpp"
 #include "typed_simulation.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -60,6 +66,13 @@ mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
     mps::add_particle(fluid, x, mps::Kind::fluid);
     fluid[velocity][i] = setup.velocities.template vector<Dim>(i);
   }
+  auto& faces = made.walls.template faces<Dim>();
+  faces.insert(faces.end(), setup.walls.begin(), setup.walls.end());
+  if constexpr (Dim == 2) {
+    made.walls.moving_2d = setup.moving;
+  } else {
+    made.walls.moving_3d = setup.moving;
+  }
   return made;
 }
 
@@ -88,6 +101,7 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
       : Base(simulation_of(setup)),
         spacing_(setup.spacing),
         has_lid_(setup.lid),
+        moving_count_(setup.moving_count),
         room_(room_of(setup, simulation_.particles().box())),
         account_({.mass = setup.density * std::pow(setup.spacing, Dim), .gravity = setup.gravity}) {
   }
@@ -123,7 +137,38 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
         .read(simulation_.particles(), mps::pressure);
   }
 
+  Load wall_load(Index wall) const override {
+    if (wall >= moving_count_) {
+      fail("Simulation.wall_load: there is no moving wall " + std::to_string(wall) +
+           " of this flow; there are " + std::to_string(moving_count_) +
+           ", numbered from 0 in the order in which they were given");
+    }
+    return load_on(WallGroup::moving_faces(wall), Vec<Dim>::Zero());
+  }
+  Index body_count() const override { return walls().number_of_bodies(); }
+  std::vector<double> body_state(Index body) const override {
+    check_body(body);
+    return state_of_body<Dim>(walls().bodies(), body);
+  }
+  Load body_load(Index body) const override {
+    check_body(body);
+    // Where the load was found.
+    const auto group = static_cast<std::uint32_t>(1 + moving_count_ + body);
+    const Pose<Dim>& before = walls().faces().step_of(group).before;
+    return load_on(WallGroup::body(body), before.x_of(centre_of_body<Dim>(walls().bodies(), body)));
+  }
+  void write_walls(VtkWalls& frames) const override { frames(simulation_); }
+
  private:
+  const auto& walls() const { return simulation_.interaction().walls(); }
+  void check_body(Index body) const {
+    if (body < body_count()) return;
+    fail("Simulation: there is no body " + std::to_string(body) + "; there are " +
+         std::to_string(body_count()) + ", numbered from 0 in the order in which they were given");
+  }
+  Load load_on(WallGroup group, const Vec<Dim>& about) const {
+    return load_of<Dim>(WallLoad<Dim>(group).read(simulation_, about));
+  }
   void check_on_wall(const Vec<Dim>& x) const {
     const double near = 1e-6 * spacing_;
     bool is_in_tank = true, is_at_side = false;
@@ -139,6 +184,7 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
 
   double spacing_;
   bool has_lid_;
+  Index moving_count_;  // of the walls
   Box<Dim> room_;  // that the fluid may fill
   mps::EnergyAccount<Dim, double> account_;
 };

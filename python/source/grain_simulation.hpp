@@ -109,14 +109,7 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
   }
   Load wall_load(Index wall) const override {
     check_wall(wall);
-    const auto load = contacts().load_on(simulation_.particles(), wall);
-    Load result{{load.force.begin(), load.force.end()}, {}};
-    if constexpr (Dim == 2) {
-      result.torque = {load.torque};
-    } else {
-      result.torque.assign(load.torque.begin(), load.torque.end());
-    }
-    return result;
+    return load_of<Dim>(contacts().load_on(simulation_.particles(), wall));
   }
 
  private:

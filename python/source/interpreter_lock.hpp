@@ -4,6 +4,10 @@
 
 #include <pybind11/pybind11.h>
 
+#ifdef __GLIBCXX__
+#include <cxxabi.h>
+#endif
+
 #include <atomic>
 #include <chrono>
 #include <optional>
@@ -87,5 +91,23 @@ class LockedAgain {
  private:
   std::optional<py::gil_scoped_acquire> acquire_;
 };
+
+/// f() with the lock, within a step or run, or where this thread has it. What is alive in f when
+/// the interpreter may end this thread, as in any call of Python, must need no lock to be
+/// destroyed: references are raw ones there.
+template <class F>
+auto with_lock(F&& f) {
+  if (PyGILState_Check() != 0) return f();
+  const LockedAgain locked;
+#ifdef __GLIBCXX__
+  try {
+    return f();
+  } catch (const abi::__forced_unwind&) {
+    AtExit::stop_for_good();  // before the destructor of `locked`
+  }
+#else
+  return f();
+#endif
+}
 
 }  // namespace silt::python

@@ -23,7 +23,6 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -36,7 +35,7 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
     {"run({.time_step = …})", "run(until, time_step=…)"},
     {"{.file = …, .accepts_other_setup = true}", "accepts_other_setup=True"},
     {"set up the same simulation and pass the same parts as", "set up the same simulation as"},
-    {"another FlowSettings::walls", "another tank or lid"},
+    {"another FlowSettings::walls", "another tank, lid, wall, motion or body"},
     {"another FlowSettings::", "another "},
     {"ContactSettings::max_overlap", "max_overlap of grain_simulation()"},
     {"lower the time step, use a stiffer material, or raise ContactSettings::max_displacement",
@@ -89,6 +88,9 @@ PYBIND11_MODULE(_silt, module) {
   py::class_<VtkSeries>(module, "VtkSeries")
       .def(py::init<std::filesystem::path>())
       .def_property_readonly("frames", &VtkSeries::frames);
+  py::class_<VtkWalls>(module, "VtkWalls")
+      .def(py::init<std::filesystem::path>())
+      .def_property_readonly("frames", [](const VtkWalls& frames) { return frames.frames(); });
 
   py::class_<Core, std::shared_ptr<Core>>(module, "Core")
       .def_property_readonly("dimension",
@@ -157,6 +159,15 @@ PYBIND11_MODULE(_silt, module) {
              const Load load = core.use("wall_load").wall_load(wall);
              return std::pair{load.force, load.torque};
            })
+      .def("body_count", [](Core& core) { return core.use("bodies").body_count(); })
+      .def("body_state", [](Core& core, Index body) { return core.use("bodies").body_state(body); })
+      .def("body_load",
+           [](Core& core, Index body) {
+             const Load load = core.use("body_load").body_load(body);
+             return std::pair{load.force, load.torque};
+           })
+      .def("write_walls",
+           [](Core& core, VtkWalls& frames) { core.use("write_walls").write_walls(frames); })
       .def("front",
            [](Core& core) {
              const Front front = core.use("front").front();
@@ -177,28 +188,28 @@ PYBIND11_MODULE(_silt, module) {
   });
   module.def(
       "flow", [](const Doubles& x, const Doubles& u, const std::vector<double>& tank, bool lid,
+                 const Doubles& walls, const py::list& moving, const py::list& bodies,
                  bool removes_escaped, double spacing, double density, double viscosity,
                  double speed_scale, const std::optional<Doubles>& gravity) {
-        const auto make = [&]<int Dim>(std::integral_constant<int, Dim>) {
-          return flow<Dim>({.positions = rows_of(x),
-                            .velocities = rows_of(u),
-                            .tank = tank,
-                            .lid = lid,
-                            .on_escape = removes_escaped ? OnEscape::remove : OnEscape::refuse,
-                            .spacing = spacing,
-                            .density = density,
-                            .viscosity = viscosity,
-                            .speed_scale = speed_scale},
-                           gravity);
-        };
-        return std::make_shared<Core>(x.shape(1) == 2 ? make(std::integral_constant<int, 2>())
-                                                      : make(std::integral_constant<int, 3>()));
+        const FlowArguments given{
+            x,       u,       tank,      lid,         walls,  moving, bodies, removes_escaped,
+            spacing, density, viscosity, speed_scale, gravity};
+        return std::make_shared<Core>(x.shape(1) == 2 ? flow<2>(given) : flow<3>(given));
       });
   module.def("lattice", [](const std::vector<double>& lower, const std::vector<double>& upper,
                            double spacing) {
     return lower.size() == 2 ? lattice_of<2>(lower, upper, spacing)
                              : lattice_of<3>(lower, upper, spacing);
   });
+  module.def("without_inside", [](const Doubles& x, const Doubles& faces, double spacing) {
+    return x.shape(1) == 2 ? without_inside<2>(x, faces, spacing)
+                           : without_inside<3>(x, faces, spacing);
+  });
+  module.def("faces_of_box",
+             [](const std::vector<double>& lower, const std::vector<double>& upper, bool open_top) {
+               return lower.size() == 2 ? faces_of_box<2>(lower, upper, open_top)
+                                        : faces_of_box<3>(lower, upper, open_top);
+             });
   module.def("use_threads", &use_threads);
   // The threads of OpenMP do not exist in a process that was forked.
   module.def("after_fork", [] {

@@ -9,6 +9,9 @@
 #include "any_simulation.hpp"
 #include "any_wall.hpp"
 #include "arrays.hpp"
+#include "flow_setup.hpp"
+#include "moving_walls.hpp"
+#include "objects.hpp"
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -23,19 +26,6 @@ namespace silt::python {
 
 namespace py = pybind11;
 
-// Arguments are objects of the package, whose attributes are numbers and tuples of numbers.
-
-inline double number(const py::handle& object, const char* name) {
-  return object.attr(name).cast<double>();
-}
-inline std::string type_of(const py::handle& object) {
-  return py::type::of(object).attr("__name__").cast<std::string>();
-}
-template <int Dim>
-Vec<Dim> vector(const py::handle& object, const char* name) {
-  return to_vector<Dim>(type_of(object) + ": " + name,
-                        object.attr(name).cast<std::vector<double>>());
-}
 inline dem::Side side(const py::handle& object) {
   return object.attr("grains").cast<std::string>() == "inside" ? dem::Side::inside
                                                                : dem::Side::outside;
@@ -164,9 +154,35 @@ std::unique_ptr<AnySimulation> grains(const GrainArguments& given) {
   return grains(given.law, setup);
 }
 
+// The arrays have been checked by the package.
+struct FlowArguments {
+  Doubles position, velocity;
+  std::vector<double> tank;
+  bool lid;
+  Doubles walls;
+  py::list moving, bodies;
+  bool removes_escaped;
+  double spacing, density, viscosity, speed_scale;
+  std::optional<Doubles> gravity;
+};
+
 template <int Dim>
-std::unique_ptr<AnySimulation> flow(FlowSetup<Dim> setup, const std::optional<Doubles>& gravity) {
-  if (gravity) setup.gravity = to_vector<Dim>("flow_simulation: gravity", numbers_of(*gravity));
+std::unique_ptr<AnySimulation> flow(const FlowArguments& given) {
+  FlowSetup<Dim> setup{.positions = rows_of(given.position),
+                       .velocities = rows_of(given.velocity),
+                       .tank = given.tank,
+                       .lid = given.lid,
+                       .walls = faces_from<Dim>("flow_simulation: walls", given.walls),
+                       .moving = moving_walls_of<Dim>(given.moving, given.bodies),
+                       .moving_count = given.moving.size(),
+                       .on_escape = given.removes_escaped ? OnEscape::remove : OnEscape::refuse,
+                       .spacing = given.spacing,
+                       .density = given.density,
+                       .viscosity = given.viscosity,
+                       .speed_scale = given.speed_scale};
+  if (given.gravity) {
+    setup.gravity = to_vector<Dim>("flow_simulation: gravity", numbers_of(*given.gravity));
+  }
   return make_flow_simulation(setup);
 }
 

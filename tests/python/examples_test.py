@@ -56,6 +56,14 @@ class Examples(unittest.TestCase):
         self.assertGreater(discharged[-1], 50)
         self.assertIn(f"{discharged[-1]} of {len(variables['hopper'])} grains", output)
 
+    def test_waves_lift_the_floating_body(self):
+        variables, output, files = self.run_example("floating_body")
+        heights = variables["heights"]
+        self.assertGreater(max(heights) - min(heights), 0.02)
+        self.assertLess(max(abs(y - 0.24) for y in heights), 0.06)
+        self.assertIn("The box rises and falls by", output)
+        self.assertIn("walls_000075.vtu", files)
+
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "Matplotlib is not installed")
     def test_notebook_sets_up_runs_and_plots(self):
         os.environ["MPLBACKEND"] = "Agg"

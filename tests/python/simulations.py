@@ -30,6 +30,21 @@ def water(**further):
     return silt.flow_simulation(**(arguments | further))
 
 
+def paddle(motion, **further):
+    """Water at rest between a wall that moves and the end of the tank."""
+    arguments = {"position": silt.lattice((0.1, 0), (0.6, 0.2), 0.02),
+                 "moving": silt.MovingFaces(faces=[[(0.1, 0.5), (0.1, 0)]], motion=motion)}
+    return water(**(arguments | further))
+
+
+def floating_box(**further):
+    """A box in water, with half of its density."""
+    arguments = {"faces": silt.faces_of_box((0.2, 0.15), (0.4, 0.25)), "density": 500}
+    body = silt.FloatingBody(**(arguments | further))
+    x = silt.remove_inside(silt.lattice((0, 0), (0.6, 0.2), 0.02), arguments["faces"], 0.02)
+    return water(position=x, bodies=body)
+
+
 def bits(simulation):
     """All bits of the state, by field."""
     return {name: values.tobytes() for name, values in simulation.snapshot().items()}
