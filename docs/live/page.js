@@ -223,7 +223,7 @@ function fillChoice(place, name, texts, chosen, then) {
 
 function choose(number) {
   scene = number;
-  const { text, particles, numbers, quantities, hasGauge, name } = scenes[scene];
+  const { text, particles, numbers, quantities, hasGauge, hasSine, name } = scenes[scene];
   values = numbers.map((one) => one.value);
   lastStarted = values.slice();
   tilt = 0;
@@ -235,7 +235,7 @@ function choose(number) {
   find('commands').textContent = `g++ -std=c++20 -O3 -ffp-contract=off -I include -I /usr/include/eigen3 \\\n  ${name}.cpp -o program\n./program`;
   tell(find('refused'), '');
   find('kind').textContent = particles[0].toUpperCase() + particles.slice(1);
-  find('sine').hidden = name !== 'vibrating_floor';
+  find('sine').hidden = !hasSine;
   fillNumbers();
   const setQuantity = (k) => {
     quantity = quantities[k];

@@ -3,11 +3,14 @@
 // behind one interface. test_node.mjs compares their bits with those of the programs.
 #pragma once
 
+#include <silt/core/rotation.hpp>
 #include <silt/dem.hpp>
 #include <silt/dem/setup/random.hpp>
 #include <silt/measure/energy.hpp>
 #include <silt/measure/wall_gauge.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/setup/remove_inside.hpp>
+#include <silt/mps/wall/moving_walls.hpp>
 
 #include "../../tests/portability/hash.hpp"
 
@@ -32,7 +35,8 @@ inline constexpr double g = 9.81;  // [m/s²]
 // What the colours show.
 enum class Quantity { speed, pressure, spin };
 
-// Of the curves: energies [J/m]; the pressure at the right wall [Pa], for flows.
+// Of the curves: energies [J/m], with those of a body; the pressure at the right wall [Pa], if the
+// scene has a gauge there.
 struct Curves {
   double kinetic = 0;
   double potential = 0;
@@ -74,8 +78,9 @@ class Scene {
 // Run::until is reached within this, see core/run.hpp: the scene then makes the same steps.
 inline double almost(double until) { return until * (1 - 1e-12); }
 
-// `Setup` has simulation(), lines(time) [m], tilt(simulation, gravity), before_step(simulation) and
-// curves(particles, gravity); it is kept as long as its simulation.
+// `Setup` has simulation(), lines(simulation) [m], tilt(simulation, gravity),
+// before_step(simulation) and curves(simulation, particles, gravity), with those of a snapshot; it
+// is kept as long as its simulation.
 template <class Setup>
 class SceneOf final : public Scene {
  public:
@@ -119,7 +124,7 @@ class SceneOf final : public Scene {
         walls_.push_back(float(number));
       }
     }
-    curves_ = setup_.curves(particles, gravity_);
+    curves_ = setup_.curves(simulation_, particles, gravity_);
   }
 
  private:
@@ -158,27 +163,23 @@ inline std::vector<Line> lines_of(const Box<2>& box) {
 
 // --- flows ---------------------------------------------------------------------------------------
 
-struct DamBreak {
-  double spacing, width, height, viscosity;
+// All are of one type, so that the module has the code for one type of simulation.
+struct OfWater {
+  mps::TankOf<mps::Recommended, 2> tank;
+  double spacing;      // [m]
+  double speed_scale;  // [m/s]
+  double viscosity = 1e-6;
+  bool has_gauge = false;
   // Settings of a flow do not change while it runs; the body force reads this. Without tilt it adds
   // zero, which changes no bit.
   std::shared_ptr<Vec<2>> added_gravity = std::make_shared<Vec<2>>(Vec<2>::Zero());
 
-  static constexpr double length = 1.6;  // of the tank [m]
-
-  // A column is a whole number of particles wide and high.
-  double whole(double size) const { return spacing * std::round(size / spacing); }
   auto simulation() const {
-    const auto tank = mps::make_tank<mps::Recommended, 2>(
-        {.column = {whole(width), whole(height)},
-         .size = {.length = length, .height = 1.2},
-         .spacing = spacing,
-         .lid = true});
     const mps::Flow<mps::Recommended> water{
         {.spacing = spacing,
          .density = 1000,
          .viscosity = viscosity,
-         .speed_scale = std::sqrt(9.81 * height),
+         .speed_scale = speed_scale,
          .walls = tank.walls,
          .body_force = [added = added_gravity](const Vec<2>&, double) { return *added; }}};
     return Simulation{tank.particles, UniformGrid<2>{}, water, SemiImplicit<>{}};
@@ -193,22 +194,92 @@ struct DamBreak {
   double radius(const P&, Index) const {
     return spacing / 2;
   }
+  // Where walls and bodies are now.
   template <class Sim>
-  std::vector<Line> lines(const Sim&) const {
-    return lines_of({.lower = {0, 0}, .upper = {length, 1.2}});
+  std::vector<Line> lines(const Sim& simulation) const {
+    std::vector<Line> lines;
+    simulation.interaction().walls().for_each_face(
+        [&](const Face<2>& face, std::uint32_t, const Vec<2>&) {
+          lines.push_back({face.corners[0], face.corners[1]});
+        });
+    return lines;
   }
-  template <class P>
-  Curves curves(const P& water, const Vec<2>& gravity) const {
+  template <class Sim, class P>
+  Curves curves(const Sim& simulation, const P& water, const Vec<2>& gravity) const {
     const double mass = 1000 * spacing * spacing;
     Curves curves;
     for (Index i = 0; i < water.size(); ++i) {
       curves.kinetic += mass * water[velocity][i].squaredNorm() / 2;
       curves.potential -= mass * gravity.dot(water[position][i]);
     }
-    curves.pressure = WallGauge<2>{{length, 0.05}, {-1, 0}, spacing}.read(water, mps::pressure);
+    const auto& walls = simulation.interaction().walls();
+    if (walls.number_of_bodies() > 0) {
+      const auto& body = walls.bodies()[0];
+      const auto& of_body = body.mass_properties();
+      const BodyState<2> state = body.state();
+      curves.kinetic += (of_body.mass * state.velocity.squaredNorm() +
+                         of_body.inertia * state.spin * state.spin) /
+                        2;
+      curves.potential -= of_body.mass * gravity.dot(state.position);
+    }
+    if (has_gauge) {
+      curves.pressure = WallGauge<2>{{1.6, 0.05}, {-1, 0}, spacing}.read(water, mps::pressure);
+    }
     return curves;
   }
 };
+
+// A lattice is a whole number of particles wide and high.
+inline double whole(double size, double spacing) { return spacing * std::round(size / spacing); }
+
+inline OfWater dam_break(double spacing, double width, double height, double viscosity) {
+  return {.tank = mps::make_tank<mps::Recommended, 2>(
+              {.column = {whole(width, spacing), whole(height, spacing)},
+               .size = {.length = 1.6, .height = 1.2},
+               .spacing = spacing,
+               .lid = true}),
+          .spacing = spacing,
+          .speed_scale = std::sqrt(9.81 * height),
+          .viscosity = viscosity,
+          .has_gauge = true};
+}
+
+inline OfWater wave_maker(double spacing, double depth, double stroke, double frequency) {
+  auto tank = mps::make_empty_tank<mps::Recommended, 2>(
+      {.size = {.length = 2, .height = 0.6}, .spacing = spacing, .lid = true});
+  const Vec<2> foot{1.2, 0}, top{2, 0.6};  // of the beach
+  const double slope = (top[1] - foot[1]) / (top[0] - foot[0]);
+  tank.walls.segments.push_back({{foot, top}});
+  const double foremost = whole(0.2, spacing), X = foremost - stroke / 2;
+  const Vibration<2> harmonic{
+      .amplitude = {stroke / 2, 0}, .frequency = frequency, .phase = std::numbers::pi / 2};
+  tank.walls.moving_2d =
+      mps::MovingWalls<2>{.faces = {{.faces = polyline({{X, 0.6}, {X, 0}}), .motion = harmonic}}};
+  for (const auto& x : lattice<2>({{foremost, 0}, {2, whole(depth, spacing)}}, spacing)) {
+    const double above = x[1] - slope * (x[0] - foot[0]);
+    if (above < 0.45 * spacing * std::hypot(1.0, slope)) continue;
+    mps::add_particle(tank.particles, x, mps::Kind::fluid);
+  }
+  return {.tank = tank, .spacing = spacing, .speed_scale = std::sqrt(9.81 * depth)};
+}
+
+inline OfWater floating_body(double spacing, double width, double height, double density_ratio,
+                             double turn) {
+  auto tank =
+      mps::make_tank<mps::Recommended, 2>({.column = {whole(1.6, spacing), whole(0.5, spacing)},
+                                           .size = {.length = whole(1.6, spacing), .height = 1.2},
+                                           .spacing = spacing,
+                                           .lid = true});
+  const Vec<2> centre{0.8, 0.5 + height * (0.5 - density_ratio)};
+  auto box = faces_of(Box<2>{{-width / 2, -height / 2}, {width / 2, height / 2}});
+  for (auto& face : box) {
+    for (auto& corner : face.corners) corner = centre + rotation_by(turn) * corner;
+  }
+  mps::remove_inside(tank.particles, box, spacing);
+  tank.walls.moving_2d =
+      mps::MovingWalls<2>{.bodies = {{.faces = box, .density = 1000 * density_ratio}}};
+  return {.tank = tank, .spacing = spacing, .speed_scale = std::sqrt(9.81 * 0.5)};
+}
 
 // --- grains --------------------------------------------------------------------------------------
 
@@ -272,8 +343,8 @@ struct OfGrains {
   static double radius(const P& grains, Index i) {
     return grains[silt::radius][i];
   }
-  template <class P>
-  static Curves curves(const P& grains, const Vec<2>& gravity) {
+  template <class Sim, class P>
+  static Curves curves(const Sim&, const P& grains, const Vec<2>& gravity) {
     return {.kinetic = kinetic_energy(grains) + rotational_energy(grains),
             .potential = potential_energy(grains, gravity)};
   }
@@ -344,10 +415,11 @@ inline OfGrains hopper(double R, double opening, double friction_angle, double r
 
 // --- all -----------------------------------------------------------------------------------------
 
-inline constexpr std::array names{"dam_break", "tower", "vibrating_floor", "hopper"};
+inline constexpr std::array names{"dam_break", "tower",      "vibrating_floor",
+                                  "hopper",    "wave_maker", "floating_body"};
 
 // The end of the program of the same name [s].
-inline constexpr std::array ends{1.0, 1.5, 2.0, 2.5};
+inline constexpr std::array ends{1.0, 1.5, 2.0, 2.5, 3.0, 2.0};
 
 // More take a browser seconds for a step, and many more exceed the memory of the module.
 inline constexpr double max_particles = 20000;
@@ -355,9 +427,14 @@ inline constexpr double max_particles = 20000;
 // About the number of particles of a scene, known before any is made. A side that is not positive
 // gives 0: Silt refuses it, and its message says why.
 inline double estimated_size(Index scene, const std::array<double, 5>& numbers) {
-  const double area = std::array{std::min(numbers[1], DamBreak::length) * std::min(numbers[2], 1.2),
-                                 0.2 * 0.8, numbers[0], 0.56 * 0.32}[scene];
-  const double side = std::array{numbers[0], 2 * numbers[0], 0.02, 2.45 * numbers[0]}[scene];
+  const double area = std::array{std::min(numbers[1], 1.6) * std::min(numbers[2], 1.2),
+                                 0.2 * 0.8,
+                                 numbers[0],
+                                 0.56 * 0.32,
+                                 1.8 * std::min(numbers[1], 0.6),
+                                 1.6 * 0.5}[scene];
+  const double side = std::array{numbers[0],        2 * numbers[0], 0.02,
+                                 2.45 * numbers[0], numbers[0],     numbers[0]}[scene];
   return side > 0 ? area / (side * side) : 0;
 }
 
@@ -371,22 +448,25 @@ inline std::unique_ptr<Scene> make_scene(Index scene, const std::array<double, 5
   }
   switch (scene) {
     case 0:
-      return std::make_unique<SceneOf<DamBreak>>(DamBreak{a, b, c, d});
+      return std::make_unique<SceneOf<OfWater>>(dam_break(a, b, c, d));
     case 1:
       return std::make_unique<SceneOf<OfGrains>>(tower(a, b, c, d));
     case 2:
       return std::make_unique<SceneOf<OfGrains>>(vibrating_floor(a, b, c, d, e));
     case 3:
       return std::make_unique<SceneOf<OfGrains>>(hopper(a, b, c, d));
+    case 4:
+      return std::make_unique<SceneOf<OfWater>>(wave_maker(a, b, c, d));
+    case 5:
+      return std::make_unique<SceneOf<OfWater>>(floating_body(a, b, c, d, e));
     default:
-      fail("live: scene = " + std::to_string(scene) + " does not exist; give one below 4");
+      fail("live: scene = " + std::to_string(scene) + " does not exist; give one below 6");
   }
 }
 
 // Of the programs.
-inline constexpr std::array<double, 5> defaults[] = {{0.028, 0.4, 0.8, 1e-6},
-                                         {0.0125, 0.46, 0.5, 0.5},
-                                         {0.16, 0.012, 9, 0.6, 0.3},
-                                         {0.0095, 0.12, 0.46, 0.5}};
+inline constexpr std::array<double, 5> defaults[] = {
+    {0.028, 0.4, 0.8, 1e-6},   {0.0125, 0.46, 0.5, 0.5}, {0.16, 0.012, 9, 0.6, 0.3},
+    {0.0095, 0.12, 0.46, 0.5}, {0.02, 0.24, 0.08, 1.1},  {0.025, 0.3, 0.2, 0.5, 0.5}};
 
 }  // namespace live

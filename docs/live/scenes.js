@@ -49,7 +49,7 @@ export const scenes = [
       restitution(0.6), frictionAngle(0.3),
     ],
     quantities: [speed(1.2), spin(60)],
-    view: [-0.53, -0.06, 0.53, 0.745],
+    view: [-0.53, -0.06, 0.53, 0.745], hasSine: true,
   },
   {
     name: 'hopper', title: 'Hopper', method: 'DEM', particles: 'grains',
@@ -61,6 +61,31 @@ export const scenes = [
     ],
     quantities: [speed(2.5), spin(60)],
     view: [-0.83, -0.03, 0.83, 1.23],
+  },
+  {
+    name: 'wave_maker', title: 'Wave maker', method: 'MPS', particles: 'fluid particles',
+    text: 'A piston makes waves, which run up a beach. The depth is rounded to whole particles.',
+    numbers: [
+      { name: 'spacing', label: 'Particle spacing', unit: 'm', value: 0.02, least: 0.012, most: 0.03, step: 0.001, digits: 3 },
+      { name: 'depth', label: 'Depth of the water', unit: 'm', value: 0.24, least: 0.1, most: 0.4, step: 0.02, digits: 2 },
+      { name: 'stroke', label: 'Stroke of the piston', unit: 'm', value: 0.08, least: 0, most: 0.2, step: 0.01, digits: 2 },
+      { name: 'frequency', label: 'Frequency of the piston', unit: 'Hz', value: 1.1, least: 0.5, most: 2, step: 0.05, digits: 2 },
+    ],
+    quantities: [speed(0.8), pressure(3)],
+    view: [-0.03, -0.03, 2.03, 0.63], hasSine: true,
+  },
+  {
+    name: 'floating_body', title: 'Floating box', method: 'MPS', particles: 'fluid particles',
+    text: 'A box is released with a turn, and rights itself or turns over: by its width, height and density.',
+    numbers: [
+      { name: 'spacing', label: 'Particle spacing', unit: 'm', value: 0.025, least: 0.016, most: 0.04, step: 0.001, digits: 3 },
+      { name: 'width', label: 'Width of the box', unit: 'm', value: 0.3, least: 0.1, most: 0.6, step: 0.02, digits: 2 },
+      { name: 'height', label: 'Height of the box', unit: 'm', value: 0.2, least: 0.1, most: 0.4, step: 0.02, digits: 2 },
+      { name: 'density_ratio', label: 'Density to that of water', unit: '', value: 0.5, least: 0.05, most: 2, step: 0.05, digits: 2 },
+      { name: 'turn', label: 'Turn at first', unit: 'rad', value: 0.5, least: -1.5, most: 1.5, step: 0.1, digits: 1 },
+    ],
+    quantities: [speed(1), pressure(6)],
+    view: [-0.03, -0.03, 1.63, 1.23], hasSine: true,
   },
 ];
 

@@ -143,7 +143,7 @@ try {
   await page.context().close();
 
   // Pictures of all scenes; the times at which they show most.
-  const times = { dam_break: 0.42, tower: 0.45, vibrating_floor: 1, hopper: 1 };
+  const times = { dam_break: 0.42, tower: 0.45, vibrating_floor: 1, hopper: 1, wave_maker: 2.2, floating_body: 0.5 };
   for (const [size, colours] of [['laptop', 'light'], ['laptop', 'dark'], ['phone', 'light'], ['phone', 'dark']]) {
     for (const [name, time] of Object.entries(times)) {
       const { page: shown } = await open(size, colours, `#${name}`);
