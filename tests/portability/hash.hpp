@@ -34,9 +34,11 @@ std::uint64_t hash_of(const Simulation& simulation) {
   const auto particles = simulation.snapshot();
   Hash hash;
   hash.add(simulation.time());
-  for (Id id = 0; id < particles.size(); ++id) {
+  Index found = 0;
+  for (Id id = 0; found < particles.size(); ++id) {
     const Index i = particles.index_of(id);
     if (i == no_index) continue;
+    ++found;
     hash.add(particles[position][i]);
     hash.add(particles[velocity][i]);
     if constexpr (decltype(particles)::template has<spin_t>) hash.add(particles[spin][i]);
