@@ -71,18 +71,22 @@ def influence(ends, mirrored):
     return source, dipole
 
 
-def radiation(omega):
-    """Added mass and damping over the density."""
+def radiation(omega, is_roll=False):
+    """Added mass and damping over the density; of roll, about the middle of the box, moments."""
     k = wave_number(omega, DEPTH)
     ends, kinds = boundary(min(12, max(3, 4 * np.pi / k + 1)))
-    length = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    upwards = -(ends[:, 1, 0] - ends[:, 0, 0]) / length  # of the normals out of the fluid
-    source, dipole = (one + other for one, other in zip(influence(ends, False),
-                                                        influence(ends, True)))
+    along = ends[:, 1] - ends[:, 0]
+    length = np.linalg.norm(along, axis=1)
+    x, y = ends.mean(axis=1).T
+    out = np.stack([along[:, 1], -along[:, 0]]) / length  # normals out of the fluid
+    moved = (kinds == "bottom") | (is_roll & (kinds == "side"))
+    given = np.where(moved, x * out[1] - y * out[0] if is_roll else out[1], 0)
+    # Roll is antisymmetric.
+    source, dipole = (one - other if is_roll else one + other
+                      for one, other in zip(influence(ends, False), influence(ends, True)))
     of_phi = np.where(kinds == "surface", omega**2 / G, np.where(kinds == "far end", -1j * k, 0))
-    given = np.where(kinds == "bottom", upwards, 0)
     phi = np.linalg.solve(np.pi * np.eye(len(kinds)) - dipole + source * of_phi, -source @ given)
-    force = 2 * np.sum((phi * upwards * length)[kinds == "bottom"])
+    force = 2 * np.sum(phi * given * length)
     return force.real, -omega * force.imag
 
 
