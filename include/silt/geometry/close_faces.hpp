@@ -15,38 +15,31 @@
 
 namespace silt {
 
-/// f(own, other) for the numbers of each face of a group and each face of another group that are
-/// closer to each other than a distance [m], and for some further ones.
-template <int Dim, class F>
-void for_each_close_pair(const Faces<Dim>& faces, std::uint32_t group, double distance, F&& f) {
-  using Bounds = typename Faces<Dim>::Bounds;
-  const auto bounds_of = [](const Face<Dim>& face) {
-    Bounds bounds{face.corners[0], face.corners[0]};
-    for (const Vec<Dim>& corner : face.corners) bounds.enclose({corner, corner});
-    return bounds;
-  };
-  bool is_empty = true;
-  Bounds all;
-  for (const auto& element : faces.elements()) {
-    if (element.group != group) continue;
-    const Bounds bounds = bounds_of(element.face);
-    if (is_empty) all = bounds;
-    all.enclose(bounds);
-    is_empty = false;
-  }
-  if (is_empty) return;
+/// f(own, other) for the numbers of each face of a group that moves and each face of another group, one
+/// for which is_wanted(group), that are closer to each other than a distance [m], and for some further ones.
+template <int Dim, class IsWanted, class F>
+void for_each_close_pair(const Faces<Dim>& faces, std::uint32_t group, IsWanted&& is_wanted,
+                         double distance, F&& f) {
+  if (faces.is_empty(group)) return;
+  const auto all = faces.bounds_of_group(group);
   Buffer<std::uint32_t> others;
   faces.for_each_near(all, distance, [&](std::uint32_t k) {
-    if (faces[k].group == group) return;
-    if (all.squared_distance(bounds_of(faces[k].face)) < squared(distance)) others.push_back(k);
+    if (faces[k].group == group || !is_wanted(faces[k].group)) return;
+    if (all.squared_distance(faces.bounds_of(k)) < squared(distance)) others.push_back(k);
   });
   for (const std::uint32_t other : others) {
-    const Bounds bounds = bounds_of(faces[other].face);
+    const auto bounds = faces.bounds_of(other);
     faces.for_each_near(bounds, distance, [&](std::uint32_t own) {
       if (faces[own].group != group) return;
-      if (bounds.squared_distance(bounds_of(faces[own].face)) < squared(distance)) f(own, other);
+      if (bounds.squared_distance(faces.bounds_of(own)) < squared(distance)) f(own, other);
     });
   }
+}
+
+/// The same with all other groups.
+template <int Dim, class F>
+void for_each_close_pair(const Faces<Dim>& faces, std::uint32_t group, double distance, F&& f) {
+  for_each_close_pair(faces, group, [](std::uint32_t) { return true; }, distance, f);
 }
 
 /// f(x, y) for points x of a face and y of another one that are the closest ones to each other near

@@ -20,6 +20,14 @@
 
 namespace silt {
 
+/// The bounding box of a face [m].
+template <int Dim>
+typename BoxTree<Dim, double>::Bounds bounds_of(const Face<Dim>& face) {
+  typename BoxTree<Dim, double>::Bounds bounds{face.corners[0], face.corners[0]};
+  for (const Vec<Dim>& corner : face.corners) bounds.enclose({corner, corner});
+  return bounds;
+}
+
 /// How a group of faces moves in a step.
 template <int Dim>
 struct StepOfFaces {
@@ -54,8 +62,10 @@ class Faces {
         const std::vector<std::vector<Face<Dim>>>& moving) {
     add_group(name, at_rest, 0);
     for (std::size_t g = 0; g < moving.size(); ++g) {
+      firsts_.push_back(static_cast<std::uint32_t>(elements_.size()));
       add_group(name + ": moving group " + std::to_string(g), moving[g], std::uint32_t(g + 1));
     }
+    firsts_.push_back(static_cast<std::uint32_t>(elements_.size()));
     detail::Facets<Dim>::join(elements_);
     if (!moving.empty()) defined_ = elements_;
     steps_.resize(moving.size());
@@ -97,6 +107,19 @@ class Faces {
 
   using Tree = BoxTree<Dim, double>;
   using Bounds = typename Tree::Bounds;
+
+  /// Those of a face where it is now [m].
+  Bounds bounds_of(std::uint32_t element) const {
+    return bounds_.empty() ? silt::bounds_of(elements_[element].face) : bounds_[element];
+  }
+  /// Whether a group that moves, from 1 on, has no faces.
+  bool is_empty(std::uint32_t group) const { return firsts_[group - 1] == firsts_[group]; }
+  /// The bounding box of a group that moves and is not empty [m].
+  Bounds bounds_of_group(std::uint32_t group) const {
+    Bounds all = bounds_of(firsts_[group - 1]);
+    for (std::uint32_t k = firsts_[group - 1]; k < firsts_[group]; ++k) all.enclose(bounds_of(k));
+    return all;
+  }
 
   /// f(k) for the numbers k of all faces closer to x, a point or bounds [m], than `distance` [m], and of
   /// some further ones.
@@ -147,9 +170,7 @@ class Faces {
   void find_bounds() {
     bounds_.resize(elements_.size());
     for (std::size_t k = 0; k < elements_.size(); ++k) {
-      const Vec& first = elements_[k].face.corners[0];
-      bounds_[k] = {first, first};
-      for (const Vec& x : elements_[k].face.corners) bounds_[k].enclose({x, x});
+      bounds_[k] = silt::bounds_of(elements_[k].face);
     }
   }
   void make_tree() {
@@ -174,6 +195,7 @@ class Faces {
   Buffer<Element> elements_;
   Buffer<Element> defined_;  // as they were defined, if there are groups that move
   Buffer<StepOfFaces<Dim>> steps_;
+  Buffer<std::uint32_t> firsts_;          // faces of groups that move, and the number of all
   Buffer<std::uint8_t> is_dry_;           // each group that moves
   Buffer<typename Tree::Bounds> bounds_;  // of each face, if there are groups that move
   Axes axes_;

@@ -10,8 +10,8 @@
 #include <silt/core/rotation.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/any_rigid_motion.hpp>
-#include <silt/geometry/close_faces.hpp>
 #include <silt/geometry/face.hpp>
+#include <silt/geometry/face_crossing.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/given_motions.hpp>
 #include <silt/geometry/mirror_rate.hpp>
@@ -354,41 +354,11 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     for (double& number : step.velocity.about) f(number);
     for (int k = 0; k < angular_size<Dim>; ++k) f(component(step.velocity.spin, k));
   }
-  // Throws if a corner of a face goes through a face of another group in the step. Faces may touch and
-  // slide along each other.
   void require_no_crossing(const Faces<Dim>& faces, double spacing) const {
-    const double tolerance = 1e-3 * spacing;
-    const auto end_of = [&](std::uint32_t group, const Vec& x) {
-      return group > 0 ? now_.steps[group - 1].move.x_of(x) : x;
-    };
-    const auto begin_of = [&](std::uint32_t group, const Vec& x) {
-      return group > 0 ? now_.steps[group - 1].move.X_of(x) : x;
-    };
-    // Whether a corner of one goes through the other; x is its end as seen from there.
-    const auto goes_through = [&](const FaceOfSurface<Dim>& one, const FaceOfSurface<Dim>& other) {
-      Vec middle = Vec::Zero();
-      for (const Vec& corner : one.face.corners) middle += corner / Dim;
-      for (const Vec& corner : one.face.corners) {
-        const Vec x = begin_of(other.group, end_of(one.group, corner));
-        const double end = other.height(x);
-        double begin = other.height(corner);
-        if (std::abs(begin) <= tolerance) begin = other.height(middle);
-        if (std::abs(end) <= tolerance || std::abs(begin) <= tolerance || (begin > 0) == (end > 0)) {
-          continue;
-        }
-        const double beside = (x - nearest_of(other.face, x)).norm() - std::abs(end);
-        if (beside > tolerance) continue;
-        fail({"MovingWalls: ", name_of(one.group), " goes into ", name_of(other.group), " at ",
-              to_text(x), " m; let faces touch at most, or change the motion"});
-      }
-    };
-    for (std::uint32_t group = 1; group <= now_.steps.size(); ++group) {
-      // A wall moves by less than a spacing in a step.
-      for_each_close_pair(faces, group, 2 * spacing, [&](std::uint32_t own, std::uint32_t other) {
-        goes_through(faces[own], faces[other]);
-        goes_through(faces[other], faces[own]);
-      });
-    }
+    const auto crossing = find_crossing_in_step(faces, 1e-3 * spacing);
+    if (!crossing) return;
+    fail({"MovingWalls: ", name_of(crossing->group), " goes into ", name_of(crossing->other), " at ",
+          to_text(crossing->x), " m; let faces touch at most, or change the motion"});
   }
   // Of its bounds where it is defined.
   Vec corner_of(std::size_t g, unsigned corner) const {
