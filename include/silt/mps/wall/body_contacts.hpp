@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/geometry/close_faces.hpp>
 #include <silt/geometry/faces.hpp>
+#include <silt/geometry/places_of_pairs.hpp>
 #include <silt/mps/wall/body_in_flow.hpp>
 
 #include <algorithm>
@@ -32,6 +33,7 @@ class BodyContacts {
   void end_approaches(std::vector<BodyInFlow<Dim>>& bodies, const Faces<Dim>& faces, double spacing,
                       double time_step, GroupOfBody&& group_of_body, VelocityOf&& velocity_of) {
     contacts_.clear();
+    places_.clear();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const std::uint32_t first_body = group_of_body(0);
       // A particle between them moves by less than a spacing in a step, and so do they.
@@ -57,7 +59,7 @@ class BodyContacts {
                   contact.velocity_of_wall = is_of_body ? Vec(Vec::Zero()) : velocity_of(group, y);
                   // The faces may come closer by this in the step, and never less than now.
                   contact.approach = std::max(0.0, distance - spacing) / time_step;
-                  if (!is_known(contact, spacing)) contacts_.push_back(contact);
+                  add_if_new(contact, spacing);
                 });
           });
     }
@@ -117,13 +119,17 @@ class BodyContacts {
     return true;
   }
   // Faces have common corners, and edges.
-  bool is_known(const Contact& contact, double spacing) const {
-    return std::any_of(contacts_.begin(), contacts_.end(), [&](const Contact& known) {
+  void add_if_new(const Contact& contact, double spacing) {
+    const double same = 1e-6 * spacing;
+    const auto is_known = [&](std::uint32_t k) {
+      const Contact& known = contacts_[k];
       return known.body == contact.body && known.other == contact.other &&
-             (known.x - contact.x).norm() < 1e-6 * spacing &&
-             (known.y - contact.y).norm() < 1e-6 * spacing &&
+             (known.x - contact.x).norm() < same && (known.y - contact.y).norm() < same &&
              known.normal.dot(contact.normal) > 0.999;
-    });
+    };
+    if (places_.any_near(contact.x, contact.y, same, is_known)) return;
+    places_.add(contact.x, contact.y, same);
+    contacts_.push_back(contact);
   }
   // The change of the relative velocity [m/s].
   static double push(Of which, std::vector<BodyInFlow<Dim>>& bodies, Contact& contact) {
@@ -144,6 +150,7 @@ class BodyContacts {
   }
 
   Buffer<Contact> contacts_;
+  PlacesOfPairs<Dim> places_;  // of the contacts
 };
 
 }  // namespace silt::mps
