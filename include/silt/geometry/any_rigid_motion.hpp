@@ -17,8 +17,14 @@ namespace silt {
 template <int Dim>
 class AnyRigidMotion {
  public:
+  // This and the destructor are not = default: g++ 12 fails in nested lists where a motion is left out.
   /// At rest.
-  AnyRigidMotion() = default;
+  AnyRigidMotion() noexcept {}
+  AnyRigidMotion(const AnyRigidMotion&) = default;
+  AnyRigidMotion(AnyRigidMotion&&) noexcept = default;
+  AnyRigidMotion& operator=(const AnyRigidMotion&) = default;
+  AnyRigidMotion& operator=(AnyRigidMotion&&) noexcept = default;
+  ~AnyRigidMotion() noexcept {}
   template <class M>
     requires(RigidMotion<M, Dim, double> && !std::same_as<M, AnyRigidMotion>)
   AnyRigidMotion(M motion) : motion_(std::make_shared<const Of<M>>(std::move(motion))) {}

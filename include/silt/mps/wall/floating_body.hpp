@@ -17,19 +17,24 @@ namespace silt::mps {
 
 namespace detail {
 
-// Not a call where it is used: g++ 12 fails in nested lists with default initialisers that call.
+// Not calls where they are used: g++ 12 fails in nested lists with default initialisers that call.
+template <int Dim>
+inline const Vec<Dim> no_velocity = Vec<Dim>::Zero();
 template <int Dim>
 inline const AngularVec<Dim> no_spin = zero_of<AngularVec<Dim>>();
 
 }  // namespace detail
 
-/// A rigid body whose surface is a wall of the flow.
+/// A rigid body whose surface is a wall of the flow. One given by a density is solid: fluid in it at the
+/// beginning, or faces of other walls, are an error of the first step; see remove_inside(). One given by
+/// mass_properties may be a hull: what is in it, such as a liquid cargo, moves with it and is no part of
+/// its mass. (Moving faces, MovingFaces, may enclose fluid, too: a tank.)
 template <int Dim>
 struct FloatingBody {
   std::vector<Face<Dim>> faces = {};         ///< closed, all normals outwards or all inwards
   double density = 0;                        ///< [kg/m³], above 0; or give mass_properties
   std::optional<MassProperties<Dim>> mass_properties{};  ///< instead of the density
-  Vec<Dim> velocity = Vec<Dim>::Zero();      ///< of the centre of mass at first [m/s]
+  Vec<Dim> velocity = detail::no_velocity<Dim>;  ///< of the centre of mass at first [m/s]
   AngularVec<Dim> spin = detail::no_spin<Dim>;  ///< at first [1/s]
   /// Along these axes it keeps its first velocity, whatever the load.
   std::array<bool, std::size_t(Dim)> is_held = {};
