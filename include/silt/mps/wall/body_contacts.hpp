@@ -5,6 +5,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/close_faces.hpp>
+#include <silt/geometry/face_crossing.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/places_of_pairs.hpp>
 #include <silt/mps/wall/body_in_flow.hpp>
@@ -49,9 +50,10 @@ class BodyContacts {
                 faces[own].face, faces[other].face, [&](const Vec& x, const Vec& y) {
                   const double distance = (x - y).norm();
                   if (!(distance < 3 * spacing)) return;
-                  if (distance > 1e-6 * spacing) {
+                  const double touching = 1e-2 * spacing;
+                  if (distance > touching) {
                     contact.normal = (x - y) / distance;
-                  } else if (!find_normal(faces[own], faces[other], spacing, contact.normal)) {
+                  } else if (!find_normal(faces[own], faces[other], y, touching, contact.normal)) {
                     return;
                   }
                   contact.x = x;
@@ -63,25 +65,13 @@ class BodyContacts {
                 });
           });
     }
-    if (contacts_.empty()) return;
     // Of the momentum first, then of the faces, which the fluid lets change less.
-    for (const Of which : {Of::body, Of::faces}) {
-      for (Contact& contact : contacts_) {
-        double mobility = bodies[contact.body].mobility(which, contact.x, contact.normal);
-        if (contact.other < bodies.size()) {
-          mobility += bodies[contact.other].mobility(which, contact.y, contact.normal);
-        }
-        contact.mass = mobility > 0 ? 1 / mobility : 0;
-        contact.impulse = 0;
-      }
-      for (int k = 0; k < max_iterations; ++k) {
-        double largest_change = 0;
-        for (Contact& contact : contacts_) {
-          largest_change = std::max(largest_change, push(which, bodies, contact));
-        }
-        if (largest_change < 1e-9 * spacing / time_step) break;
-      }
-    }
+    for (const Of which : {Of::body, Of::faces}) push_all(which, bodies, spacing / time_step);
+  }
+  /// The same of the faces, which have got other velocities in the step.
+  void end_approaches_of_faces(std::vector<BodyInFlow<Dim>>& bodies, double spacing,
+                               double time_step) {
+    push_all(Of::faces, bodies, spacing / time_step);
   }
 
  private:
@@ -100,18 +90,42 @@ class BodyContacts {
     double impulse = 0;                  // so far [N s]
   };
 
-  // Of faces that touch: towards the middle of the body's one.
+  // Until they change velocities by little, compared with a scale [m/s].
+  void push_all(Of which, std::vector<BodyInFlow<Dim>>& bodies, double scale) {
+    if (contacts_.empty()) return;
+    for (Contact& contact : contacts_) {
+      double mobility = bodies[contact.body].mobility(which, contact.x, contact.normal);
+      if (contact.other < bodies.size()) {
+        mobility += bodies[contact.other].mobility(which, contact.y, contact.normal);
+      }
+      contact.mass = mobility > 0 ? 1 / mobility : 0;
+      contact.impulse = 0;
+    }
+    for (int k = 0; k < max_iterations; ++k) {
+      double largest_change = 0;
+      for (Contact& contact : contacts_) {
+        largest_change = std::max(largest_change, push(which, bodies, contact));
+      }
+      if (largest_change < 1e-9 * scale) break;
+    }
+  }
+  // Of faces that touch at x, to a tolerance: towards the middle of the body's one, that of the face in
+  // which the corner of the other one is, if one is in the other.
   static bool find_normal(const FaceOfSurface<Dim>& own, const FaceOfSurface<Dim>& other,
-                          double spacing, Vec& normal) {
+                          const Vec& x, double tolerance, Vec& normal) {
     const auto height_of = [](const FaceOfSurface<Dim>& plane, const FaceOfSurface<Dim>& face) {
       Vec middle = Vec::Zero();
       for (const Vec& corner : face.face.corners) middle += corner / Dim;
       return plane.height(middle);
     };
     const double of_own = height_of(other, own), of_other = height_of(own, other);
-    const double height = std::abs(of_own) > std::abs(of_other) ? of_own : of_other;
-    if (std::abs(height) < 1e-6 * spacing) return false;  // one slides along the other
-    if (height == of_own) {
+    const bool is_in_other = silt::detail::is_within_rim(other, x, tolerance);
+    const bool is_in_own = silt::detail::is_within_rim(own, x, tolerance);
+    const bool takes_other =
+        is_in_own == is_in_other ? std::abs(of_own) > std::abs(of_other) : is_in_other;
+    const double height = takes_other ? of_own : of_other;
+    if (std::abs(height) < tolerance) return false;  // one slides along the other
+    if (takes_other) {
       normal = height > 0 ? other.normal : Vec(-other.normal);
     } else {
       normal = height > 0 ? Vec(-own.normal) : own.normal;
