@@ -36,6 +36,12 @@ struct TimeStepLimits {
   double smallest() const {
     return std::min({courant, force, viscous, walls, growth, max_time_step});
   }
+  /// Throws if a wall needs steps so short that the fluid would not move in a run of any length.
+  void check_walls() const {
+    const double of_fluid = std::min({courant, force, viscous, max_time_step});
+    constexpr double least = 1e-4;
+    if (walls < least * of_fluid && is_finite(of_fluid)) fail_for_walls(of_fluid);
+  }
   /// Which one is the smallest, and what to do about it.
   [[gnu::cold]] std::string name_of_smallest() const {
     const double dt = smallest();
@@ -47,6 +53,13 @@ struct TimeStepLimits {
       return "the speed or the period of a moving wall" + allow + "decrease the speed";
     if (dt == growth) return "FlowSettings: max_growth" + allow + "begin with a longer time step";
     return "the speed of the particles, or FlowSettings: speed_scale," + allow + "decrease it";
+  }
+
+ private:
+  [[gnu::cold, noreturn]] void fail_for_walls(double of_fluid) const {
+    fail({"mps::Flow: the speed or the period of a moving wall or a body needs time steps of ", walls,
+          " s, less than a ten-thousandth of those of the fluid, ", of_fluid,
+          " s; decrease its speed or frequency, and check its units"});
   }
 };
 

@@ -104,11 +104,13 @@ class BasicFlow {
     return true;
   }
 
-  /// Limits of the next time step [s].
+  /// Limits of the next time step [s]. Throws if a velocity is not finite, or if walls would need endless
+  /// steps.
   template <FluidParticles P>
   TimeStepLimits time_step_limits(const P& particles) const {
     TimeStepLimits limits = record_.time_step_limits(particles, settings_);
     limits.walls = operators_.longest_step(record_.time(), settings_.courant * settings_.spacing);
+    limits.check_walls();
     return limits;
   }
   template <FluidParticles P>
