@@ -123,6 +123,7 @@ template <int Dim>
 void expect_the_momentum_of_impulses() {
   Vec<Dim> size = Vec<Dim>::Constant(16 * l0), half = Vec<Dim>::Constant(4 * l0), high = size / 2;
   high[Dim - 1] = 13 * l0;
+  if (Dim == 3) half[2] = 3 * l0, high[2] = 12 * l0;  // below the lid
   Vec<Dim> low = size / 2;
   low[Dim - 1] = 5 * l0;
   low[0] += 2 * l0;
@@ -319,6 +320,16 @@ TEST(FloatingBodies, RefuseWhatIsNoBody) {
         flow({.faces = box, .mass_properties = MassProperties<2>{.mass = 1, .centre = {0.2, 0.2}}});
       },
       {"body 0: mass_properties: the moment of inertia must be above 0"}));
+  EXPECT_TRUE(refuses(
+      [&] {
+        flow({.faces = box,
+              .density = 500,
+              .mass_properties = MassProperties<2>{.mass = 1, .centre = {0.2, 0.2}, .inertia = 1}});
+      },
+      {"body 0: density = 500", "mass_properties", "one of them"}));
+  EXPECT_TRUE(refuses(
+      [&] { flow({.faces = faces_of_box(Vec<2>(0.2, 0.2), Vec<2>(0.005, 0.009)), .density = 500}); },
+      {"body 0 is 0.018 m large", "less than the spacing"}));
   EXPECT_TRUE(refuses([&] { flow({.faces = box, .density = 500, .velocity = {nan, 0}}); },
                       {"body 0: velocity", "nan"}));
   EXPECT_TRUE(
@@ -337,6 +348,98 @@ TEST(FloatingBodies, RefuseWhatIsNoBody) {
         flow({.faces = crossed, .density = 500});
       },
       {"body 0", "not closed at"}));
+}
+
+// The only test of what bodies may have in them, and across their faces, before the first step.
+TEST(FloatingBodies, BeginWhereNothingElseIs) {
+  const auto box = [](const Vec<2>& lower, const Vec<2>& upper) {
+    return faces_of_box(Vec<2>((lower + upper) / 2), Vec<2>((upper - lower) / 2));
+  };
+  const auto begin = [](const std::vector<mps::FloatingBody<2>>& bodies) {
+    mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
+    settings.walls.segments = polyline({{0, 1}, {0, 0}, {0.4, 0}, {0.4, 1}});
+    settings.walls.moving_2d = mps::MovingWalls<2>{.bodies = bodies};
+    Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.4, 0.1}}, l0)), UniformGrid<2>{},
+                   mps::Flow<mps::Recommended>{settings}, SemiImplicit<>{}};
+    sim.step();
+  };
+  const MassProperties<2> mass{.mass = 5, .centre = {0.2, 0.3}, .inertia = 0.01};
+  // Fluid in it: not in a solid, but in a hull.
+  const auto sunk = box({0.1, 0.04}, {0.3, 0.3});
+  EXPECT_TRUE(refuses([&] { begin({{.faces = sunk, .density = 500}}); },
+                      {"fluid at (0.11, 0.05) m is inside of body 0", "remove_inside", "hull"}));
+  EXPECT_NO_THROW(begin({{.faces = sunk, .mass_properties = mass}}));
+  // Bodies and walls: not through each other, nor in each other, but side by side.
+  const auto first = box({0.1, 0.2}, {0.2, 0.3});
+  EXPECT_TRUE(refuses([&] { begin({{.faces = box({-0.1, 0.2}, {0.1, 0.3}), .density = 500}}); },
+                      {"body 0 and a wall at rest go through each other at (0, 0.2"}));
+  const auto with_first = [&](const std::vector<Face<2>>& other, bool is_hull = false) {
+    mps::FloatingBody<2> outer{.faces = first, .density = 500};
+    if (is_hull) outer = {.faces = first, .mass_properties = mass};
+    begin({outer, {.faces = other, .density = 500}});
+  };
+  EXPECT_TRUE(refuses([&] { with_first(box({0.15, 0.25}, {0.3, 0.35})); },
+                      {"body 0 and body 1 go through each other"}));
+  for (const auto& other : {box({0.15, 0.2}, {0.25, 0.3}), first, box({0.14, 0.24}, {0.16, 0.26})}) {
+    EXPECT_TRUE(refuses([&] { with_first(other); }, {"is inside of body", "mass_properties"}));
+  }
+  EXPECT_NO_THROW(with_first(box({0.14, 0.24}, {0.16, 0.26}), true));
+  EXPECT_NO_THROW(with_first(box({0.2, 0.2}, {0.3, 0.3})));
+}
+
+// The only test of a body that touches a wall from the beginning, and is pressed against it: within a step,
+// its velocity changes until it fits the load, and it must not creep through the floor meanwhile.
+TEST(FloatingBodies, StayWhereTheyArePressedAgainstAFloor) {
+  const Vec<2> centre(0.15, 0.1);
+  auto sim = Scene<2>{.size = {0.4, 0.4},
+                      .depth = 0.1,
+                      .bodies = {{.faces = faces_of_box(centre, Vec<2>(0.05, 0.1)),
+                                  .density = 500,
+                                  .load = [](const auto&, double) {
+                                    return BodyLoad<2>{.force = {0, -400}};
+                                  }}}}
+                 .simulation();
+  while (sim.time() < 0.1) sim.step();
+  const auto state = sim.interaction().walls().bodies()[0].state();
+  EXPECT_LT((state.position - centre).norm(), 1e-3 * l0);
+}
+
+// The only test of a body at a periodic side, where fluid would see through it.
+TEST(FloatingBodies, KeepOffPeriodicSides) {
+  const auto step = [](double from, double to) {
+    mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
+    settings.walls.segments = polyline({{-1, 0}, {2, 0}});
+    settings.walls.moving_2d = mps::MovingWalls<2>{
+        .bodies = {{.faces = faces_of_box(Vec<2>((from + to) / 2, 0.3), Vec<2>((to - from) / 2, 0.04)),
+                    .density = 500}}};
+    const Box<2> box{.lower = {0, -1}, .upper = {0.4, 1}, .periodic = {true, false}};
+    Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.4, 0.1}}, l0), box), UniformGrid<2>{},
+                   mps::Flow<mps::Recommended>{settings}, SemiImplicit<>{}};
+    sim.step();
+  };
+  EXPECT_TRUE(refuses([&] { step(0.25, 0.35); },
+                      {"body 0 extends from 0.25 to 0.35 m along axis 0", "periodic side"}));
+  EXPECT_TRUE(refuses([&] { step(0.25, 0.6); }, {"body 0", "periodic side"}));
+  EXPECT_NO_THROW(step(0.1, 0.3));
+  EXPECT_NO_THROW(step(-0.2, 0.6));
+}
+
+// The only test of finite loads that nothing resolves.
+TEST(FloatingBodies, RefuseLoadsThatNothingResolves) {
+  const auto run = [](double force, double dt) {
+    auto sim = Scene<2>{.size = {1, 1},
+                        .depth = 4 * l0,
+                        .bodies = {{.faces = faces_of_box(Vec<2>(0.5, 0.5), Vec<2>(0.04, 0.06)),
+                                    .density = 500,
+                                    .load = [=](const auto&, double) {
+                                      return BodyLoad<2>{.force = {force, 0}};
+                                    }}}}
+                   .simulation();
+    for (int k = 0; k < 5; ++k) dt > 0 ? sim.step(dt) : sim.step();
+  };
+  for (const double dt : {0.0, 1e-3}) {
+    EXPECT_TRUE(refuses([&] { run(1e8, dt); }, {"body 0 moves by", "more than the spacing", "load"}));
+  }
 }
 
 }  // namespace

@@ -52,6 +52,9 @@ void set(mps::ImageWalls& walls, std::vector<mps::MovingFaces<Dim>> faces) {
   }
 }
 
+// g++ 12 has failed at lists like that of the call below.
+mps::AnyMovingWalls<2> as_given(const mps::MovingWalls<2>& walls) { return walls; }
+
 /// Water in a tank that moves, with it at first.
 template <int Dim>
 auto water_in(const std::vector<Face<Dim>>& tank, const Motion<Dim>& motion, const Vec<Dim>& filled,
@@ -232,6 +235,7 @@ TEST(MovingWalls, RefuseWhatCannotMove) {
   EXPECT_TRUE(refuses_motion(TabulatedMotion<2>{{0}, {{0, 0}}}, {"times = 1 values"}));
   EXPECT_TRUE(
       refuses_motion(TabulatedMotion<2>{{0, 1, 1}, {}}, {"times[2] = 1 s is not after 1 s"}));
+  EXPECT_TRUE(refuses_motion(TabulatedMotion<2>{{0, 1}}, {"neither shifts nor turns"}));
   EXPECT_TRUE(refuses_motion(TabulatedMotion<2>{{0, 1}, {{0, 0}}}, {"shifts = 1 values for 2"}));
   EXPECT_TRUE(refuses_motion(
       MotionFunction<2>{[](double t) { return Pose<2>{.shift = {0, t > 0 ? nan : 0}}; }},
@@ -245,9 +249,42 @@ TEST(MovingWalls, RefuseWhatCannotMove) {
              500);
       },
       {"moving wall 0 goes into a wall at rest at (0.1"}));
+  // Across the floor from the beginning, and across each other.
+  EXPECT_TRUE(refuses([&] { step({{.faces = polyline({{0.1, -0.1}, {0.1, 0.4}})}}); },
+                      {"moving wall 0 and a wall at rest go through each other at (0.1, 0) m",
+                       "so that they touch at most"}));
+  EXPECT_TRUE(refuses(
+      [&] {
+        step({{.faces = polyline({{0.05, 0.2}, {0.15, 0.3}})},
+              {.faces = polyline({{0.05, 0.3}, {0.15, 0.2}})}});
+      },
+      {"moving wall 0 and moving wall 1 go through each other at (0.1, 0.25) m"}));
+  // So fast that the fluid would need ten thousand steps for one of its own.
+  for (const AnyRigidMotion<2>& motion : {Motion<2>(Translation<2>{{0, 1e6}}),
+                                          Motion<2>(Vibration<2>{{0, 1e-6}, 1e9})}) {
+    EXPECT_TRUE(refuses_motion(motion, {"the speed or the period of a moving wall",
+                                        "less than a ten-thousandth", "frequency"}));
+  }
   // One that slides along the walls it touches may move.
   EXPECT_NO_THROW(
       step({{.faces = polyline({{0.1, 0}, {0.1, 0.4}}), .motion = Translation<2>{{0.2, 0}}}}, 20));
+}
+
+// A given step that would not resolve a vibration. MovingWalls without any are none.
+TEST(MovingWalls, RefuseAStepLongerThanATenthOfTheirPeriod) {
+  const Vibration<2> fast{{0, 1e-5}, 100};
+  const auto tank = tank_of(Vec<2>(8 * l0, 8 * l0), false);
+  auto sim = water_in<2>(tank, fast, Vec<2>(8 * l0, 4 * l0));
+  EXPECT_TRUE(refuses([&] { sim.step(1.1e-3); },
+                      {"moving wall 0: a time step of 0.0011 s", "a tenth of the period", "0.01 s"}));
+  sim.step(0.9e-3);
+  mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .gravity = {0, 0}};
+  settings.walls.moving_2d = mps::MovingWalls<2>{};
+  settings.walls.let_fluid_fall = true;
+  Simulation drop{fluid_at<2, double>({{0, 0}}), UniformGrid<2>{},
+                  mps::Flow<mps::Recommended>{settings}, SemiImplicit<>{}};
+  drop.step(1e-3);
+  EXPECT_EQ(as_given({.faces = {{.faces = tank}}}).groups().size(), 1u);
 }
 
 // A source that moves the particles with u* does not know of walls.

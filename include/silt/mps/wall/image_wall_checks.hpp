@@ -11,6 +11,7 @@
 #include <silt/geometry/faces.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/wall/faces_near_particles.hpp>
+#include <silt/mps/wall/wall_motions.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -89,6 +90,41 @@ void require_walls_beyond_sides(const Faces<Dim>& faces, const Box<Dim, Real>& b
       }
     }
   }
+}
+
+/// Throws if a body is at a periodic side: fluid sees beyond it by the reach [m], where the body has no
+/// copies. In a periodic direction, a body is inside of the box, or extends beyond both sides.
+template <int Dim, class Real>
+void require_bodies_off_sides(const Faces<Dim>& faces, const WallMover<Dim>& mover,
+                              const Box<Dim, Real>& box, double reach) {
+  const auto bodies = static_cast<std::uint32_t>(mover.number_of_bodies());
+  for (std::uint32_t group = faces.groups() - bodies + 1; group <= faces.groups(); ++group) {
+    const auto bounds = faces.bounds_of_group(group);
+    for (int axis = 0; axis < Dim; ++axis) {
+      if (!box.periodic[std::size_t(axis)]) continue;
+      const double below = bounds.lower[axis] - double(box.lower[axis]);
+      const double above = double(box.upper[axis]) - bounds.upper[axis];
+      if (std::min(below, above) >= reach || std::max(below, above) <= -reach) continue;
+      fail({"ImageWalls: ", mover.name_of(group), " extends from ", bounds.lower[axis], " to ",
+            bounds.upper[axis], " m along axis ", axis, ", closer to a periodic side of the box than ",
+            reach, " m, the radius of the fluid, and has no copies beyond it; keep it off the sides, "
+            "with is_held for example, or give it faces beyond both"});
+    }
+  }
+}
+
+/// Throws if fluid is in a solid body before the first step.
+template <FluidParticles P, int Dim>
+[[gnu::cold]] void require_no_fluid_in_bodies(const P& particles, const WallMover<Dim>& mover) {
+  const auto x = particles[position];
+  const PointInBody found = mover.find_in_solids(
+      particles.size(), [&](Index i) -> Vec<Dim> { return x[i].template cast<double>(); });
+  if (found.point == particles.size()) return;
+  fail({"ImageWalls: fluid at ", typename P::Vec(x[found.point]), " m is inside of ",
+        mover.name_of(found.group),
+        ", which is solid; call remove_inside(particles, faces, spacing) with its faces before the "
+        "simulation, or give it mass_properties instead of a density, if it is a hull with a cargo"},
+       {.particle = found.point, .id = particles.id(found.point)});
 }
 
 /// Whether a face is beyond x [m] in a direction, a unit vector; also if the line from x only

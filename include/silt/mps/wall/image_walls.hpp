@@ -33,7 +33,8 @@
 
 namespace silt::mps {
 
-/// Walls at rest without wall particles, along which fluid slips: segments in 2D, triangles in 3D.
+/// Walls without wall particles, at rest or moving, along which fluid slips unless the policy
+/// `wall_stress` lets it stick: segments in 2D, triangles in 3D.
 /// What a particle sees through a face is the fluid before it, mirrored, so that density,
 /// divergence, Laplacian and gradient are those of a fluid that continues beyond the wall. Its flow
 /// towards the wall is continued linearly, and stopped by the pressure. Images of images, as in
@@ -200,13 +201,16 @@ class ImageWalls::InFlow {
   }
 
   /// Finds the faces near each particle, and the images that it sees. Throws if a particle is not
-  /// fluid or on a face, or if a wall ends at a periodic side.
+  /// fluid or on a face, or if a wall ends, or a body is, at a periodic side.
   template <FluidParticles P, class S, class Operators>
   void locate(const P& particles, const S& search, const Operators& operators) {
     detail::require_fluid_only(particles);
     spacing_ = double(operators.stencil().spacing);
     const double reach = double(operators.reach());
     if (particles.box().any_periodic()) {
+      if (!motions_.empty()) {
+        detail::require_bodies_off_sides(near_.faces(), *motions_, particles.box(), reach);
+      }
       detail::require_walls_beyond_sides(near_.faces(), particles.box(), reach);
     }
     const auto x = particles.with_ghosts(position);
@@ -229,11 +233,12 @@ class ImageWalls::InFlow {
     flow_.clear(particles.local());
     revision_ = particles.owned_revision();
   }
-  /// Before the first step: throws if the fluid would fall freely, unless that is allowed. Gravity
-  /// is in [m/s²].
+  /// Before the first step: throws if fluid is in a solid body, or if it would fall freely, unless that
+  /// is allowed. Gravity is in [m/s²].
   template <FluidParticles P, class Operators>
   void check_start(const P& particles, const Operators& operators,
                    const silt::Vec<Dim>& gravity) const {
+    if (!motions_.empty()) detail::require_no_fluid_in_bodies(particles, *motions_);
     if (lets_fluid_fall_) return;
     detail::require_held(particles, operators.neighbourhood(), near_.faces(), gravity);
   }

@@ -23,6 +23,7 @@
 #include <silt/mps/wall/body_in_flow.hpp>
 #include <silt/mps/wall/floating_body.hpp>
 #include <silt/mps/wall/load_on_group.hpp>
+#include <silt/mps/wall/solid_bodies.hpp>
 #include <silt/mps/wall/wall_motions.hpp>
 
 #include <algorithm>
@@ -43,7 +44,8 @@ namespace silt::mps {
 template <int Dim>
 struct MovingFaces {
   std::vector<Face<Dim>> faces;  ///< where they are defined, see Pose
-  AnyRigidMotion<Dim> motion = {};  ///< a RigidMotion, such as Translation, Rotation or Vibration
+  /// A RigidMotion, such as Translation, Rotation or Vibration; at rest if none is given.
+  AnyRigidMotion<Dim> motion = {};
 };
 
 /// The moving walls of a flow: ImageWalls::moving_2d or moving_3d. Their groups are numbered from 1 on,
@@ -96,6 +98,10 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   explicit MovingWallsInFlow(const MovingWalls<Dim>& walls) : groups_(walls.faces) {
     for (std::size_t b = 0; b < walls.bodies.size(); ++b) {
       bodies_.emplace_back("MovingWalls: body " + std::to_string(b), walls.bodies[b]);
+      is_solid_.push_back(!walls.bodies[b].mass_properties);
+      if (is_solid_[b] || walls.bodies[b].density == 0) continue;
+      fail({"MovingWalls: body ", b, ": density = ", walls.bodies[b].density,
+            " kg/m³ has no meaning beside mass_properties; give one of them"});
     }
     for (const MovingFaces<Dim>& group : groups_) {
       group.motion.check();
@@ -128,6 +134,9 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     return std::make_unique<MovingWallsInFlow>(*this);
   }
   std::size_t number_of_bodies() const override { return bodies_.size(); }
+  PointInBody find_in_solids(Index number, FunctionRef<Vec(Index)> x_of) const override {
+    return solid_bodies().find(number, x_of);
+  }
   const std::vector<BodyInFlow<Dim>>& bodies() const override { return bodies_; }
   void place(Faces<Dim>& faces) const override { faces.begin_step(now_.steps); }
   /// Bodies end approaches closer than the spacing [m], see BodyContacts.
@@ -143,10 +152,12 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
     find_steps_of_bodies();
     faces.begin_step(now_.steps);
+    if (now_.is_first) require_no_crossing_at_first(faces, spacing);
     if (!bodies_.empty()) {
       contacts_.end_approaches(
           bodies_, faces, spacing, time_step, [&](std::size_t b) { return group_of_body(b); },
           [&](std::uint32_t group, const Vec& x) { return velocity_at(group, x); });
+      require_resolved_moves_of_bodies(time_step, spacing);
       find_steps_of_bodies();
       faces.set_moves(now_.steps);
     }
@@ -159,11 +170,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       for (const BodyInFlow<Dim>& body : bodies_) {
         now_.fastest_given = std::max(now_.fastest_given, body.max_speed());
       }
-      typename Faces<Dim>::Bounds all{faces[0].face.corners[0], faces[0].face.corners[0]};
-      for (const auto& element : faces.elements()) {
-        for (const Vec& corner : element.face.corners) all.enclose({corner, corner});
-      }
-      now_.extent = (all.upper - all.lower).norm();
+      now_.extent = extent_of(faces);
     }
     now_.is_first = false;
     require_no_crossing(faces, spacing);
@@ -180,11 +187,29 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       loads_[b] = load_on(group_of_body(b), bodies_[b].state().position, flow);
     }
     if (!coupling_.change(bodies_, loads_, flow)) return false;
+    // A body that is pressed against a wall keeps the velocity that it had.
+    contacts_.end_approaches_of_faces(bodies_, flow.spacing, flow.time_step);
+    const Buffer<StepOfFaces<Dim>> before = now_.steps;
     find_steps_of_bodies();
     faces.set_moves(now_.steps);
-    return true;
+    double change = 0;  // of a velocity [m/s]
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const std::uint32_t group = group_of_body(b);
+      const auto bounds = faces.bounds_of_group(group);
+      for (const Vec& x : {bounds.lower, bounds.upper}) {
+        change = std::max(change, (now_.steps[group - 1].velocity.at(x) -
+                                   before[group - 1].velocity.at(x))
+                                      .norm());
+      }
+    }
+    return change > 1e-6 * flow.spacing / flow.time_step;
   }
   void end_step(const FlowOfStep<Dim>& flow) override {
+    // In an impact, bodies have other velocities than at the beginning.
+    if (!coupling_.is_empty()) {
+      require_resolved_moves_of_bodies(flow.time_step, flow.spacing);
+      require_no_crossing(flow.near.faces(), flow.spacing);
+    }
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       const Vec acceleration = flow.acceleration(bodies_[b].state().position);
       bodies_[b].end_step(loads_[b], acceleration, flow.time_step);
@@ -194,8 +219,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       fail({"MovingWalls: body ", b, " moves at ", bodies_[b].max_speed(),
             " m/s, more than ten times ", expected,
             " m/s, the speed of bodies at first, of moving walls and of a fall through all walls; "
-            "reduce the time step, take away fluid in it with remove_inside(), or give it a larger "
-            "density"});
+            "reduce the time step or its load, or give it a larger density"});
     }
   }
 
@@ -354,6 +378,51 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     for (double& number : step.velocity.about) f(number);
     for (int k = 0; k < angular_size<Dim>; ++k) f(component(step.velocity.spin, k));
   }
+  void require_resolved_moves_of_bodies(double time_step, double spacing) const {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const double distance = bodies_[b].max_speed() * time_step;
+      if (distance <= spacing) continue;
+      fail({"MovingWalls: body ", b, " moves by ", distance, " m in a step of ", time_step,
+            " s, more than the spacing = ", spacing,
+            " m; reduce the time step, or its velocity, spin and load"});
+    }
+  }
+  // The diagonal of the box around all of them [m].
+  static double extent_of(const Faces<Dim>& faces) {
+    if (faces.elements().empty()) return 0;
+    auto all = faces.bounds_of(0);
+    for (std::uint32_t k = 1; k < faces.elements().size(); ++k) all.enclose(faces.bounds_of(k));
+    return (all.upper - all.lower).norm();
+  }
+  SolidBodies<Dim> solid_bodies() const {
+    SolidBodies<Dim> solid;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (is_solid_[b]) solid.add(group_of_body(b), bodies_[b].faces());
+    }
+    return solid;
+  }
+  // Of where the first step begins.
+  void require_no_crossing_at_first(const Faces<Dim>& faces, double spacing) const {
+    const double tolerance = 1e-2 * spacing;
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const auto bounds = faces.bounds_of_group(group_of_body(b));
+      const double size = (bounds.upper - bounds.lower).maxCoeff();
+      if (size >= spacing) continue;
+      fail({"MovingWalls: body ", b, " is ", size, " m large, less than the spacing = ", spacing,
+            " m, so that the fluid does not see it; make it larger, or the spacing smaller"});
+    }
+    if (const auto crossing = find_crossing(faces, tolerance)) {
+      fail({"MovingWalls: ", name_of(crossing->group), " and ", name_of(crossing->other),
+            " go through each other at ", to_text(crossing->x),
+            " m in the beginning; move one of them, or make it smaller, so that they touch at most"});
+    }
+    if (const auto inside = solid_bodies().find_faces(faces, tolerance)) {
+      fail({"MovingWalls: ", name_of(inside->group), " is inside of ", name_of(inside->other), " at ",
+            to_text(inside->x),
+            " m in the beginning; move one of them, or give the outer one mass_properties, if it is "
+            "hollow, instead of a density"});
+    }
+  }
   void require_no_crossing(const Faces<Dim>& faces, double spacing) const {
     const auto crossing = find_crossing_in_step(faces, 1e-3 * spacing);
     if (!crossing) return;
@@ -393,6 +462,11 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       fail({"MovingWalls: moving wall ", g, ": the rotation of its pose at ", t,
             " s is no rotation matrix; give an orthogonal one of determinant 1"});
     }
+    if (time_step > motion.period() / 10) {
+      fail({"MovingWalls: moving wall ", g, ": a time step of ", time_step,
+            " s is more than a tenth of the period of its motion, ", motion.period(),
+            " s; reduce the time step, or the frequency"});
+    }
     for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
       const Vec from = step.before.x_of(corner_of(g, corner));
       const double distance = (step.move.x_of(from) - from).norm();
@@ -409,6 +483,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
 
   std::vector<MovingFaces<Dim>> groups_;
   std::vector<BodyInFlow<Dim>> bodies_;  // their groups follow those
+  std::vector<bool> is_solid_;           // of each body: whether it is given by a density
   BodyContacts<Dim> contacts_;
   BodyCoupling<Dim> coupling_;
   std::vector<BodyLoad<Dim>> loads_;  // of the fluid in the step

@@ -65,6 +65,12 @@ struct FlowOfStep {
   FunctionRef<std::array<double, 2>(const std::array<double, 2>&)> maximum;
 };
 
+/// A point that is in a body.
+struct PointInBody {
+  Index point;          ///< of those asked for; their number if none is in a body
+  std::uint32_t group;  ///< of the faces of the body
+};
+
 /// What moves the groups of faces of a flow, which are numbered from 1 on.
 template <int Dim>
 class WallMover {
@@ -100,6 +106,8 @@ class WallMover {
   virtual std::string name_of(std::uint32_t group) const = 0;
   /// The number of bodies, whose groups are the last ones.
   virtual std::size_t number_of_bodies() const = 0;
+  /// Before the first step, the first of some points, x_of(k) in [m], that is in a body without holes.
+  virtual PointInBody find_in_solids(Index number, FunctionRef<Vec(Index)> x_of) const = 0;
   /// Bodies that move freely.
   virtual const std::vector<BodyInFlow<Dim>>& bodies() const = 0;
   /// Keeps the state before a step.
