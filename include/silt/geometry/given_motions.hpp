@@ -39,6 +39,9 @@ struct TabulatedMotion {
       fail({"TabulatedMotion: times[", k, "] = ", times[k], " s is not after ", times[k - 1],
             " s; give increasing times"});
     }
+    if (shifts.empty() && turns.empty()) {
+      fail("TabulatedMotion: there are neither shifts nor turns; give one of them");
+    }
     require_size("shifts", shifts.size());
     require_size("turns", turns.size());
     for (const Vec<Dim>& shift : shifts) require_finite("TabulatedMotion: shifts", shift);

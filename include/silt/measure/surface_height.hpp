@@ -116,6 +116,9 @@ struct SurfaceHeight {
   void check() const {
     require_finite("SurfaceHeight: point", point);
     require_positive("SurfaceHeight: spacing", spacing);
+    if (std::isnan(lowest) || std::isnan(highest)) {
+      fail("SurfaceHeight: lowest or highest is not a number; give heights, or leave them out");
+    }
     if (highest > lowest) return;
     fail({"SurfaceHeight: highest = ", highest, " m is not above lowest = ", lowest,
           " m; give a higher one"});
