@@ -7,6 +7,7 @@
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"
+#include "support/probed_water.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,25 +19,13 @@
 namespace silt::test::surface_height_test {
 namespace {
 
-constexpr double l0 = 0.02;  // [m]
+constexpr double l0 = probed_l0;  // [m]
 
-template <int Dim>
-auto with_walls(mps::Fluid<Dim> water, const std::vector<Face<Dim>>& faces) {
-  mps::FlowSettings<Dim, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
-  settings.walls.template faces<Dim>() = faces;
-  settings.walls.let_fluid_fall = true;
-  return Simulation{std::move(water), UniformGrid<Dim>{},
-                    mps::Flow<mps::Recommended, Dim>{settings}, SemiImplicit<>{}};
-}
 template <int Dim>
 void add(mps::Fluid<Dim>& water, const Box<Dim>& body) {
   for (const auto& x : lattice<Dim>({body.lower * l0, body.upper * l0}, l0)) {
     mps::add_particle(water, x, mps::Kind::fluid);
   }
-}
-std::vector<Face<2>> line(std::vector<Vec<2>> points) {
-  for (auto& x : points) x *= l0;
-  return polyline(points);
 }
 std::vector<Face<2>> tank(double length) {
   return line({{0, 50}, {0, 0}, {length, 0}, {length, 50}});
@@ -178,6 +167,7 @@ TEST(SurfaceHeight, RefusesWhatItCannotRead) {
   EXPECT_TRUE(is_refused({.point = {0, 0}}, {"SurfaceHeight: spacing", "0"}));
   EXPECT_TRUE(is_refused({.point = {0, 0}, .spacing = l0, .lowest = 1, .highest = 1},
                          {"SurfaceHeight: highest", "lowest"}));
+  EXPECT_TRUE(is_refused({.point = {0, 0}, .spacing = l0, .lowest = nan}, {"not a number"}));
   EXPECT_TRUE(is_refused({.point = {0, 0}, .spacing = l0, .moves_with = WallGroup::body(2)},
                          {"SurfaceHeight", "body(2)", "0 bodies"}));
   mps::add_particle(water, {l0, 1e6}, mps::Kind::fluid);

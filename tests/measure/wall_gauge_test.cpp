@@ -7,6 +7,7 @@
 
 #include "support/check.hpp"
 #include "support/fluid.hpp"
+#include "support/probed_water.hpp"
 #include <gtest/gtest.h>
 
 #include <utility>
@@ -15,7 +16,7 @@
 namespace silt::test::wall_gauge_test {
 namespace {
 
-constexpr double l0 = 0.02;  // [m]
+constexpr double l0 = probed_l0;  // [m]
 
 template <int Dim>
 auto water_with_pressure(double jitter) {
@@ -71,18 +72,6 @@ TEST(WallGauge, CountsDryPartsAsZero) {
 // --- in sight, of a simulation
 // --------------------------------------------------------------------
 
-std::vector<Face<2>> line(std::vector<Vec<2>> points) {
-  for (auto& x : points) x *= l0;
-  return polyline(points);
-}
-template <int Dim>
-auto with_walls(mps::Fluid<Dim> water, const std::vector<Face<Dim>>& faces) {
-  mps::FlowSettings<Dim, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
-  settings.walls.template faces<Dim>() = faces;
-  settings.walls.let_fluid_fall = true;
-  return Simulation{std::move(water), UniformGrid<Dim>{},
-                    mps::Flow<mps::Recommended, Dim>{settings}, SemiImplicit<>{}};
-}
 mps::Fluid<2> water_in(const Box<2>& body, double value) {
   mps::Fluid<2> water;
   for (const auto& x : lattice<2>({body.lower * l0, body.upper * l0}, l0)) {
