@@ -4,7 +4,9 @@
 // Only with --all: every allocation of several simulations; core/simulation_test.cpp rolls back one.
 #include <silt/dem.hpp>
 #include <silt/dem/setup/packing.hpp>
+#include <silt/geometry/shapes.hpp>
 #include <silt/mps.hpp>
+#include <silt/mps/wall/moving_walls.hpp>
 
 #include "support/check.hpp"
 #include "support/failing_allocations.hpp"
@@ -101,6 +103,19 @@ auto falling_column(S search) {
                     SemiImplicit{}};
 }
 
+// With a piston and a body that falls into the water.
+auto falling_body() {
+  auto simulation = falling_column<mps::Recommended>(UniformGrid<2>{});
+  mps::FlowSettings<2, mps::Recommended> settings = simulation.interaction().settings();
+  settings.walls.moving_2d = mps::MovingWalls<2>{
+      .faces = {{.faces = polyline({{0.28, 0}, {0.28, 0.2}}), .motion = Translation<2>{{-0.1, 0}}}},
+      .bodies = {{.faces = polyline({{0.04, 0.22}, {0.1, 0.22}, {0.1, 0.26}, {0.04, 0.26}, {0.04, 0.22}}),
+                  .density = 300,
+                  .velocity = {0, -1}}}};
+  return Simulation{simulation.particles(), UniformGrid<2>{}, mps::Flow<mps::Recommended>{settings},
+                    SemiImplicit{}};
+}
+
 TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
   for (const int threads : {1, 2}) {
     with_threads(threads, [&] {
@@ -109,6 +124,7 @@ TEST(FailedAllocation, LeavesAFlowAsBeforeTheStep) {
               falling_column<mps::RecommendedForWallParticles>(UniformGrid<2>{}), 3), 20);
       EXPECT_GT(
           fail_each_allocation(falling_column<mps::Recommended>(UniformGrid<2>{}), 3), 20);
+      EXPECT_GT(fail_each_allocation(falling_body(), 3), 20);
       EXPECT_GT(fail_each_allocation(falling_column<mps::Case10>(NeighbourList<2>{}), 3), 20);
       EXPECT_GT(fail_each_allocation(falling_column<mps::Case00>(BruteForce<2>{}), 3), 20);
     });
