@@ -2,6 +2,8 @@
 // Models of each concept: an archetype with exactly the required members, types of the library, and
 // types that lack one requirement.
 #include <silt/dem.hpp>
+#include <silt/geometry/any_rigid_motion.hpp>
+#include <silt/geometry/given_motions.hpp>
 #include <silt/integrate/semi_implicit.hpp>
 #include <silt/io/csv_series.hpp>
 #include <silt/measure/flux.hpp>
@@ -182,6 +184,16 @@ static_assert(dem::Wall<dem::Plane<2>, 2, double> && dem::Wall<dem::Plane<3, flo
               dem::Wall<dem::Segment<>, 2, double>);
 static_assert(!dem::Wall<dem::Plane<2>, 3, double> && !dem::Wall<dem::Segment<>, 2, float> &&
               !dem::Wall<Nothing, 2, double>);
+
+struct MotionArchetype {
+  Pose<2> pose_at(double) const;
+  RigidVelocity<2> velocity_at(double) const;
+};
+static_assert(RigidMotion<MotionArchetype, 2, double> && !RigidMotion<MotionArchetype, 3, double>);
+static_assert(RigidMotion<Vibration<3, float>, 3, float> &&
+              RigidMotion<TabulatedMotion<2>, 2, double> &&
+              RigidMotion<AnyRigidMotion<3>, 3, double>);
+static_assert(!RigidMotion<Nothing, 2, double> && !RigidMotion<dem::Plane<2>, 2, double>);
 
 struct MeasureArchetype {
   std::vector<std::string> columns() const;
