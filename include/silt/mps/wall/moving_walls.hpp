@@ -11,7 +11,6 @@
 #include <silt/core/types.hpp>
 #include <silt/geometry/any_rigid_motion.hpp>
 #include <silt/geometry/face.hpp>
-#include <silt/geometry/face_crossing.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/given_motions.hpp>
 #include <silt/geometry/mirror_rate.hpp>
@@ -23,6 +22,7 @@
 #include <silt/mps/wall/body_in_flow.hpp>
 #include <silt/mps/wall/floating_body.hpp>
 #include <silt/mps/wall/load_on_group.hpp>
+#include <silt/mps/wall/moving_wall_checks.hpp>
 #include <silt/mps/wall/solid_bodies.hpp>
 #include <silt/mps/wall/wall_motions.hpp>
 
@@ -152,12 +152,15 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
     find_steps_of_bodies();
     faces.begin_step(now_.steps);
-    if (now_.is_first) require_no_crossing_at_first(faces, spacing);
+    if (now_.is_first) {
+      require_resolved_bodies(faces, group_of_body(0), spacing);
+      require_no_crossing_at_first(faces, solid_bodies(), spacing, names());
+    }
     if (!bodies_.empty()) {
       contacts_.end_approaches(
           bodies_, faces, spacing, time_step, [&](std::size_t b) { return group_of_body(b); },
           [&](std::uint32_t group, const Vec& x) { return velocity_at(group, x); });
-      require_resolved_moves_of_bodies(time_step, spacing);
+      require_resolved_moves(bodies_, time_step, spacing);
       find_steps_of_bodies();
       faces.set_moves(now_.steps);
     }
@@ -173,7 +176,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       now_.extent = extent_of(faces);
     }
     now_.is_first = false;
-    require_no_crossing(faces, spacing);
+    require_no_crossing(faces, spacing, names());
   }
   bool change_velocities(const FlowOfStep<Dim>& flow, Faces<Dim>& faces) override {
     if (bodies_.empty()) return false;
@@ -207,8 +210,8 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   void end_step(const FlowOfStep<Dim>& flow) override {
     // In an impact, bodies have other velocities than at the beginning.
     if (!coupling_.is_empty()) {
-      require_resolved_moves_of_bodies(flow.time_step, flow.spacing);
-      require_no_crossing(flow.near.faces(), flow.spacing);
+      require_resolved_moves(bodies_, flow.time_step, flow.spacing);
+      require_no_crossing(flow.near.faces(), flow.spacing, names());
     }
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       const Vec acceleration = flow.acceleration(bodies_[b].state().position);
@@ -378,15 +381,6 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     for (double& number : step.velocity.about) f(number);
     for (int k = 0; k < angular_size<Dim>; ++k) f(component(step.velocity.spin, k));
   }
-  void require_resolved_moves_of_bodies(double time_step, double spacing) const {
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      const double distance = bodies_[b].max_speed() * time_step;
-      if (distance <= spacing) continue;
-      fail({"MovingWalls: body ", b, " moves by ", distance, " m in a step of ", time_step,
-            " s, more than the spacing = ", spacing,
-            " m; reduce the time step, or its velocity, spin and load"});
-    }
-  }
   // The diagonal of the box around all of them [m].
   static double extent_of(const Faces<Dim>& faces) {
     if (faces.elements().empty()) return 0;
@@ -401,33 +395,8 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
     return solid;
   }
-  // Of where the first step begins.
-  void require_no_crossing_at_first(const Faces<Dim>& faces, double spacing) const {
-    const double tolerance = 1e-2 * spacing;
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      const auto bounds = faces.bounds_of_group(group_of_body(b));
-      const double size = (bounds.upper - bounds.lower).maxCoeff();
-      if (size >= spacing) continue;
-      fail({"MovingWalls: body ", b, " is ", size, " m large, less than the spacing = ", spacing,
-            " m, so that the fluid does not see it; make it larger, or the spacing smaller"});
-    }
-    if (const auto crossing = find_crossing(faces, tolerance)) {
-      fail({"MovingWalls: ", name_of(crossing->group), " and ", name_of(crossing->other),
-            " go through each other at ", to_text(crossing->x),
-            " m in the beginning; move one of them, or make it smaller, so that they touch at most"});
-    }
-    if (const auto inside = solid_bodies().find_faces(faces, tolerance)) {
-      fail({"MovingWalls: ", name_of(inside->group), " is inside of ", name_of(inside->other), " at ",
-            to_text(inside->x),
-            " m in the beginning; move one of them, or give the outer one mass_properties, if it is "
-            "hollow, instead of a density"});
-    }
-  }
-  void require_no_crossing(const Faces<Dim>& faces, double spacing) const {
-    const auto crossing = find_crossing_in_step(faces, 1e-3 * spacing);
-    if (!crossing) return;
-    fail({"MovingWalls: ", name_of(crossing->group), " goes into ", name_of(crossing->other), " at ",
-          to_text(crossing->x), " m; let faces touch at most, or change the motion"});
+  auto names() const {
+    return [this](std::uint32_t group) { return name_of(group); };
   }
   // Of its bounds where it is defined.
   Vec corner_of(std::size_t g, unsigned corner) const {
