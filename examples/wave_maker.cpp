@@ -9,11 +9,12 @@
 //   examples/plot_wave_maker.py out/wave_maker
 //
 // The wave maker moves by S/2 sin(ω t) about x = 0, growing in the first two periods. The levels of
-// the water at some places are mean heights over six spacings. In the sponge, water loses velocity
-// at a rate that grows as the square of the distance from its beginning.
+// the water at some places are those of SurfaceHeight. In the sponge, water loses velocity at a
+// rate that grows as the square of the distance from its beginning.
 #include <silt/core/buffer.hpp>
 #include <silt/geometry/given_motions.hpp>
 #include <silt/geometry/shapes.hpp>
+#include <silt/measure/surface_height.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/wall/moving_walls.hpp>
 
@@ -226,11 +227,15 @@ void simulate(const Options& o) {
   const auto x = gauges(o);
   std::vector<std::string> names;
   for (std::size_t g = 1; g <= x.size(); ++g) names.push_back("level_" + std::to_string(g));
+  std::vector<SurfaceHeight<Dim>> levels;
+  for (const double at : x) {
+    Vec<Dim> point = Vec<Dim>::Constant(o.thickness / 2);
+    point[0] = at;
+    levels.push_back({.point = point, .spacing = o.spacing});
+  }
   const auto measure = [&](const auto& simulation) {
     std::vector<double> row;
-    for (const double at : x) {
-      row.push_back(support::level_at(simulation.particles(), at, o.spacing, o.thickness));
-    }
+    for (const auto& level : levels) row.push_back(level.read(simulation));
     return row;
   };
   support::run_tank(

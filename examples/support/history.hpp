@@ -7,6 +7,7 @@
 #include <silt/io/csv.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,6 +39,17 @@ class History {
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
 };
+
+/// Mean of y over time from `begin` [s] on.
+inline double mean_from(double begin, const std::vector<double>& t, const std::vector<double>& y) {
+  double sum = 0, weight = 0;
+  for (std::size_t k = 1; k < t.size(); ++k) {
+    if (t[k] < begin) continue;
+    sum += y[k] * (t[k] - t[k - 1]);
+    weight += t[k] - t[k - 1];
+  }
+  return sum / weight;
+}
 
 /// Observer that records measure(simulation), the values of all columns but the time, at the
 /// beginning and after every step, and writes them to a file.

@@ -2,22 +2,15 @@
 // Shared by the examples with walls and bodies that move: a tank of water, and its run.
 #pragma once
 
-#include <silt/geometry/shapes.hpp>
-#include <silt/io/progress.hpp>
-#include <silt/io/vtk.hpp>
-#include <silt/io/vtk_walls.hpp>
-#include <silt/measure/timed.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/wall/moving_walls.hpp>
 
 #include "flow_program.hpp"
-#include "history.hpp"
+#include "flow_study.hpp"
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace support {
 
@@ -64,52 +57,15 @@ void set_moving(silt::mps::ImageWalls& walls, silt::mps::MovingWalls<Dim> moving
   }
 }
 
-/// What is recorded after every step, and what follows from it.
-template <class Measure, class Evaluate>
-struct Study {
-  std::string name;                // of the program, and of the file with the record
-  std::vector<std::string> names;  // of the values of measure(simulation)
-  Measure measure;
-  Evaluate evaluate;               // the findings, from the History
-  nlohmann::ordered_json options;  // of the program, in addition to those of the tank
-};
-
-/// Runs or resumes the flow of these particles, and writes NAME.csv, frames.pvd of the water,
-/// walls.pvd of walls and bodies, and summary.json.
+/// See run_study().
 template <int Dim, class Scheme, class Measure, class Evaluate>
 void run_tank(const TankOptions& o, const silt::mps::Fluid<Dim>& particles,
               const silt::mps::FlowSettings<Dim, Scheme>& settings,
-              const Study<Measure, Evaluate>& study) {
-  const auto water = or_reject([&] {
-    return silt::mps::Flow<Scheme, Dim>{settings,
-                                        silt::mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
-  });
-  open_output_folder(o.resume, o.out);
-  use_threads_of_option(o.threads);
-  silt::Simulation simulation{particles, silt::TimedSearch{silt::UniformGrid<Dim>{}}, water,
-                              silt::SemiImplicit<>{}};
-  Recorder record(o.out + "/" + study.name + ".csv", study.names, study.measure);
-  SolverIterations iterations;
-  silt::Stopwatch wall;
-  {
-    const auto span = wall.start();
-    run_or_resume(o.resume, o.out, simulation, {.until = o.until, .output_every = o.output_every},
-                  record, iterations, silt::VtkSeries{o.out + "/frames"},
-                  silt::VtkWalls{o.out + "/walls"}, silt::Progress{});
-  }
-  auto summary = summary_of(simulation, particles, iterations, wall.seconds());
-  summary["findings"] = report(study.evaluate(record.history()));
-  auto& options = summary["options"] = study.options;
-  options["length"] = o.length;
-  options["depth"] = o.depth;
-  options["thickness"] = o.thickness;
-  add_flow_options(options, o);
-  complete(o.resume, o.out, summary);
-  std::printf(
-      "%s: %zu particles, %llu steps in %.1f s of wall-clock time, %llu lost; results in "
-      "%s\n",
-      study.name.c_str(), particles.size(), static_cast<unsigned long long>(simulation.steps()),
-      wall.seconds(), static_cast<unsigned long long>(simulation.particles_lost()), o.out.c_str());
+              Study<Measure, Evaluate> study) {
+  study.options["length"] = o.length;
+  study.options["depth"] = o.depth;
+  study.options["thickness"] = o.thickness;
+  run_study(o, particles, settings, study);
 }
 
 }  // namespace support

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Linear theory of water waves, and what it needs of a simulation. Lengths in [m], times in [s].
+// Linear theory of water waves, and the waves in a record of levels. Lengths in [m], times in [s].
 #pragma once
-
-#include <silt/core/types.hpp>
-#include <silt/mps/fluid/fluid.hpp>
 
 #include <Eigen/LU>
 
@@ -52,22 +49,6 @@ struct LinearWave {
            (std::sinh(2 * kh) + 2 * kh);
   }
 };
-
-/// Height of the surface at x, as the volume of the water above an even floor at 0, per area. It is
-/// a mean along x with the weight of a quadratic B-spline, six spacings wide. `thickness` of a tank
-/// in 3D.
-template <silt::mps::FluidParticles P>
-double level_at(const P& particles, double x, double spacing, double thickness) {
-  const auto positions = particles[silt::position];
-  double volume = 0;
-  for (silt::Index i = 0; i < particles.size(); ++i) {
-    const double s = std::abs(double(positions[i][0]) - x) / (2 * spacing);
-    if (s >= 1.5) continue;
-    volume += s < 0.5 ? 0.75 - s * s : (1.5 - s) * (1.5 - s) / 2;
-  }
-  const double per_particle = std::pow(spacing, P::dimension);
-  return volume * per_particle / (2 * spacing) / (P::dimension == 3 ? thickness : 1);
-}
 
 /// From one time to another.
 struct Window {
