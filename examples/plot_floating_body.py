@@ -12,7 +12,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support import plot_style as style
-from support.moving_tank import MovingTank
+from support.moving_tank import draw_run
 from support.plot_style import DARK, DASHED, np, plt
 from support.water import DENSITY, G, REFERENCE, table
 
@@ -64,17 +64,6 @@ def draw_motion(run):
     return figure
 
 
-def main(arguments):
-    if len(arguments) != 1:
-        sys.exit(__doc__)
-    folder = pathlib.Path(arguments[0])
-    run = MovingTank.there(folder)
-    if run is None:
-        sys.exit(f"plot_floating_body.py: {folder} has no summary.json; run floating_body first")
-    style.make(folder / "frames.png", draw_frames, run)
-    style.make(folder / "motion.png", draw_motion, run)
-    run.compare(folder / "comparison.md", f"Floating {title(run)}")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    draw_run(__doc__, "floating_body", {"frames.png": draw_frames, "motion.png": draw_motion},
+             lambda run: f"Floating {title(run)}")

@@ -13,7 +13,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support import plot_style as style
-from support.moving_tank import MovingTank
+from support.moving_tank import MovingTank, draw_run
 from support.plot_style import BLUE, DARK, DASHED, GREY, ORANGE, np, plt
 
 
@@ -36,7 +36,13 @@ def difference(run, other, until):
     return np.abs(run.record["centre"] - theirs)[wanted].max()
 
 
-def draw_centre(run, other):
+def in_its_frame(run):
+    """The same with a body force; None if there is none."""
+    return MovingTank.there(run.folder / "tank")
+
+
+def draw_centre(run):
+    other = in_its_frame(run)
     figure, axes = plt.subplots(figsize=(style.WIDE, 3.8))
     t = run.record["t"]
     axes.plot(t, 1e3 * run.record["centre"], color=BLUE, label="computed")
@@ -53,27 +59,23 @@ def draw_centre(run, other):
     return figure
 
 
-def main(arguments):
-    if len(arguments) != 1:
-        sys.exit(__doc__)
-    folder = pathlib.Path(arguments[0])
-    run = MovingTank.there(folder)
-    if run is None:
-        sys.exit(f"plot_sloshing.py: {folder} has no summary.json; run sloshing first")
-    other = MovingTank.there(folder / "tank")
-    style.make(folder / "frames.png", draw_frames, run)
-    style.make(folder / "centre.png", draw_centre, run, other)
-    run.compare(folder / "comparison.md", f"Sloshing: {title(run)}")
-    if other:
-        largest = np.abs(other.record["centre"]).max()
-        sway, whole = (difference(run, other, end) / largest for end in
-                       (run.options["periods"] * run.options["period"], np.inf))
-        with (folder / "comparison.md").open("a", encoding="utf-8") as file:
-            file.write(f"\nThe same with a body force in the frame of the tank: over the largest "
-                       f"displacement of the centre, {1e3 * largest:.3g} mm, it differs by at most "
-                       f"{100 * sway:.2g} % while the tank is swayed, and {100 * whole:.2g} % in the whole "
-                       "run, in which both tanks are at rest from then on.\n")
+def compare_frames(run, other):
+    largest = np.abs(other.record["centre"]).max()
+    sway, whole = (difference(run, other, end) / largest for end in
+                   (run.options["periods"] * run.options["period"], np.inf))
+    with (run.folder / "comparison.md").open("a", encoding="utf-8") as file:
+        file.write(f"\nThe same with a body force in the frame of the tank: over the largest "
+                   f"displacement of the centre, {1e3 * largest:.3g} mm, it differs by at most "
+                   f"{100 * sway:.2g} % while the tank is swayed, and {100 * whole:.2g} % in the whole "
+                   "run, in which both tanks are at rest from then on.\n")
+
+
+def main():
+    run = draw_run(__doc__, "sloshing", {"frames.png": draw_frames, "centre.png": draw_centre},
+                   lambda run: f"Sloshing: {title(run)}")
+    if other := in_its_frame(run):
+        compare_frames(run, other)
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

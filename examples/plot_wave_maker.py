@@ -12,7 +12,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from support import plot_style as style
-from support.moving_tank import MovingTank
+from support.moving_tank import draw_run
 from support.plot_style import DARK, DASHED, plt
 
 
@@ -45,17 +45,6 @@ def draw_levels(run):
     return figure
 
 
-def main(arguments):
-    if len(arguments) != 1:
-        sys.exit(__doc__)
-    folder = pathlib.Path(arguments[0])
-    run = MovingTank.there(folder)
-    if run is None:
-        sys.exit(f"plot_wave_maker.py: {folder} has no summary.json; run wave_maker first")
-    style.make(folder / "frames.png", draw_frames, run)
-    style.make(folder / "levels.png", draw_levels, run)
-    run.compare(folder / "comparison.md", f"Wave maker: {title(run)}")
-
-
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    draw_run(__doc__, "wave_maker", {"frames.png": draw_frames, "levels.png": draw_levels},
+             lambda run: f"Wave maker: {title(run)}")

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: MIT
-"""Reads and draws the output of the examples with walls and bodies that move: floating_body,
-wave_maker and sloshing.
+"""Reads and draws the output of the examples with walls and bodies that move, or with openings:
+floating_body, wave_maker, sloshing and channel.
 
     run = MovingTank("out/floating_body")
     run.record["y"], run.options["width"], run.findings
     run.figure([0, 1, 2], "title")      the water and the walls at some times
+    draw_run(__doc__, "floating_body", {"motion.png": draw_motion}, title)
 """
 
 import json
 import pathlib
+import sys
 
 import numpy as np
 
@@ -65,15 +67,17 @@ class MovingTank:
         limits = style.range_of(pressures[1:] or pressures, 0)  # not yet computed in the first one
         walls = [self.walls(number) for number in numbers]
         points = np.concatenate([ends.reshape(-1, 2) for ends, _ in walls])
-        x = points[:, 0].min() - 2 * spacing, points[:, 0].max() + 2 * spacing
+        across = np.concatenate([points[:, 0], *(frame["position"][:, 0] for frame in frames)])
+        x = across.min() - 2 * spacing, across.max() + 2 * spacing
         up = 1 if self.middle is None else 2
         top = max(frame["position"][:, up].max() for frame in frames)
         moving = [ends[groups > 0].reshape(-1, 2)[:, 1] for ends, groups in walls]
         if self.options.get("height"):  # of a body
             top = max([top, *(heights.max() for heights in moving)])
-        y = -2 * spacing, top + 3 * spacing
+        # Below a brink or a slot, as far as the water.
+        y = min(frame["position"][:, up].min() for frame in frames) - 2.5 * spacing, top + 3 * spacing
         aspect = (y[1] - y[0]) / (x[1] - x[0])
-        columns = 1 if aspect < 0.3 else 2
+        columns = 1 if aspect < 0.25 else 2 if aspect < 1.5 else len(numbers)
         rows = -(-len(numbers) // columns)
         tall = 0.35 + 6.8 / columns * aspect
         figure, panels = style.plt.subplots(rows, columns, squeeze=False, sharex=True, sharey=True,
@@ -86,7 +90,9 @@ class MovingTank:
             no_particles.remove()
             for segment, group in zip(ends, groups):
                 axes.plot(*segment.T, color=style.ORANGE if group > 0 else style.WALL, linewidth=1.8)
-            axes.set_title(f"t = {series.times[number]:.2f} s")
+            known = frame["pressure"].any()
+            axes.set_title(f"t = {series.times[number]:.2f} s"
+                           + ("" if known else "; grey: pressure not yet computed"))
         figure.supylabel("height [m]", fontsize=10)
         figure.suptitle(title, x=0.01, ha="left")
         style.bar_of(figure, circles, panels.flat[:len(numbers)], "pressure [kPa]", pressures[1:] or pressures,
@@ -100,6 +106,23 @@ class MovingTank:
                  f"{self.summary['seconds_total']:.1f} s of wall-clock time.", "",
                  *findings_table(self.findings)]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def draw_run(doc, program, pictures, heading):
+    """The main function of plot_PROGRAM.py: draws the pictures, functions of the run by name of file, to
+    the folder of a run that the command line names, and writes its findings below heading(run). doc: of
+    the script. Returns the run."""
+    from support import plot_style as style
+
+    if len(sys.argv) != 2:
+        sys.exit(doc)
+    run = MovingTank.there(sys.argv[1])
+    if run is None:
+        sys.exit(f"plot_{program}.py: {sys.argv[1]} has no summary.json; run {program} first")
+    for name, draw in pictures.items():
+        style.make(run.folder / name, draw, run)
+    run.compare(run.folder / "comparison.md", heading(run))
+    return run
 
 
 def findings_table(findings):
