@@ -11,9 +11,10 @@
 // Heights are above the floor. The tilt is a turn from x towards the vertical; in 3D about the axis
 // −y.
 #include <silt/geometry/shapes.hpp>
+#include <silt/measure/wall_group.hpp>
+#include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/setup/remove_inside.hpp>
-#include <silt/mps/wall/load_on_group.hpp>
 #include <silt/mps/wall/moving_walls.hpp>
 
 #include <CLI/CLI.hpp>
@@ -78,13 +79,19 @@ Eigen::Matrix<double, Dim, Dim> rotation_of_tilt(double angle) {
 }
 
 template <int Dim>
+Vec<Dim> centre_of_body(const Options& o) {
+  Vec<Dim> centre = Vec<Dim>::Constant(o.thickness / 2);
+  centre[0] = o.length / 2;
+  centre[Dim - 1] = o.depth - o.draught() + o.height / 2 + o.offset;
+  return centre;
+}
+
+template <int Dim>
 mps::FloatingBody<Dim> make_body(const Options& o) {
   Vec<Dim> half = Vec<Dim>::Constant(o.breadth / 2);
   half[0] = o.width / 2;
   half[Dim - 1] = o.height / 2;
-  Vec<Dim> centre = Vec<Dim>::Constant(o.thickness / 2);
-  centre[0] = o.length / 2;
-  centre[Dim - 1] = o.depth - o.draught() + o.height / 2 + o.offset;
+  const Vec<Dim> centre = centre_of_body<Dim>(o);
   mps::FloatingBody<Dim> body{.faces = faces_of(Box<Dim>{.lower = -half, .upper = half}),
                               .density = o.density_ratio * water_density,
                               .keeps_orientation = o.hold == "roll" || o.hold == "both"};
@@ -109,10 +116,15 @@ void append(std::vector<double>& row, const V& values) {
   }
 }
 
-// Position [m], turn [rad], velocity [m/s], spin [1/s] of the body, and the load of the water on it
-// in the last step, force [N] and torque [N m]; in 2D per metre of depth.
 template <int Dim>
-std::vector<std::string> names() {
+WallLoad<Dim> load_of_body(const Options& o) {
+  return WallLoad<Dim>(WallGroup::body(0)).about(centre_of_body<Dim>(o));
+}
+
+// Position [m], turn [rad], velocity [m/s], spin [1/s] of the body, and the load of the water on it
+// in the last step, see WallLoad.
+template <int Dim>
+std::vector<std::string> names(const Options& o) {
   const std::vector<std::string> axes =
       Dim == 2 ? std::vector<std::string>{"x", "y"} : std::vector<std::string>{"x", "y", "z"};
   std::vector<std::string> all;
@@ -121,14 +133,13 @@ std::vector<std::string> names() {
     for (const auto& axis : axes) all.push_back(name.empty() ? axis : name + "_" + axis);
   };
   add("", false), add("turn", true), add("velocity", false), add("spin", true);
-  add("force", false), add("torque", true);
+  for (const auto& name : load_of_body<Dim>(o).columns()) all.push_back(name);
   return all;
 }
 template <int Dim>
 auto measure(const Options& o) {
-  return [tilt = o.tilt * degree](const auto& simulation) {
-    const auto& flow = simulation.interaction();
-    const BodyState<Dim> state = flow.walls().bodies()[0].state();
+  return [tilt = o.tilt * degree, load = load_of_body<Dim>(o)](const auto& simulation) {
+    const BodyState<Dim> state = simulation.interaction().walls().bodies()[0].state();
     std::vector<double> row;
     append(row, state.position);
     if constexpr (Dim == 2) {
@@ -138,29 +149,9 @@ auto measure(const Options& o) {
     }
     append(row, state.velocity);
     append(row, state.spin);
-    BodyLoad<Dim> load;
-    if (simulation.steps() > 0) {
-      const double dt = simulation.last_time_step();
-      const Vec<Dim> before = state.position - dt * state.velocity;
-      load = mps::LoadOnGroup<Dim>(flow.walls().faces(), 1, simulation.particles().box(), before,
-                                   {water_density, flow.settings().spacing, dt})
-                 .sum(flow.momentum_changes(), [](const Vec<6>& own) { return own; });
-    }
-    append(row, load.force);
-    append(row, load.torque);
+    append(row, load.row(simulation));
     return row;
   };
-}
-
-// Mean of the last quarter.
-double mean_at_the_end(const std::vector<double>& t, const std::vector<double>& y) {
-  double sum = 0, weight = 0;
-  for (std::size_t k = 1; k < t.size(); ++k) {
-    if (t[k] < 0.75 * t.back()) continue;
-    sum += y[k] * (t[k] - t[k - 1]);
-    weight += t[k] - t[k - 1];
-  }
-  return sum / weight;
 }
 
 // Zeros of the heave of a box of 0.4 m × 0.2 m, half as dense as the water, which is 0.4 m deep
@@ -194,7 +185,7 @@ std::vector<support::Finding> evaluate(const Options& o, double level,
   }
   findings.push_back({.quantity = "height of the centre, mean of the last quarter [m]",
                       .reference = at_rest,
-                      .measured = mean_at_the_end(t, y),
+                      .measured = support::mean_from(0.75 * t.back(), t, y),
                       .allowed = support::stated,
                       .scale = o.spacing});  // the error is in spacings
   if (o.tilt != 0) {
@@ -214,7 +205,7 @@ std::vector<support::Finding> evaluate(const Options& o, double level,
                         .allowed = support::stated});
     findings.push_back({.quantity = "tilt, mean of the last quarter [°]",
                         .reference = stability > 0 ? 0 : support::no_reference,
-                        .measured = mean_at_the_end(t, turn),
+                        .measured = support::mean_from(0.75 * t.back(), t, turn),
                         .allowed = support::stated,
                         .scale = std::abs(o.tilt)});
     const auto of_roll = fluid_cases::zero_crossings(t, turn);
@@ -257,7 +248,7 @@ void simulate(const Options& o) {
   settings.walls = tank.walls;
   support::run_tank(
       o, tank.particles, settings,
-      support::Study{"floating_body", names<Dim>(), measure<Dim>(o),
+      support::Study{"floating_body", names<Dim>(o), measure<Dim>(o),
                      [&](const support::History& history) { return evaluate(o, level, history); },
                      nlohmann::ordered_json{{"width", o.width},
                                             {"height", o.height},
