@@ -40,7 +40,10 @@ def draw_motion(run):
     turn = np.degrees(record["turn"] if flat else -record["turn_y"])
     weight = (o["density_ratio"] * DENSITY * G * o["width"] * o["height"]
               * (1 if flat else o["breadth"]))
-    figure, axes = plt.subplots(3, 1, figsize=(style.WIDE, 6.4), sharex=True)
+    turns = o["hold"] in ("none", "sway")
+    figure, axes = plt.subplots(3 if turns else 2, 1, figsize=(style.WIDE, 6.4 if turns else 4.6),
+                                sharex=True)
+    last = axes[-1]
     axes[0].plot(t, heave, label="computed")
     if any(each["reference"] for each in run.findings if each["quantity"].startswith("zero")):
         theory = table(REFERENCE / "heave_of_a_box.csv")
@@ -50,16 +53,17 @@ def draw_motion(run):
                      color=DARK, linewidth=1, linestyle=DASHED, label="linear potential theory")
     axes[0].set_ylabel("heave [mm]")
     style.legend_on_top(axes[0], 2)
-    axes[1].plot(t, turn)
-    axes[1].set_ylabel("tilt [°]")
+    if turns:
+        axes[1].plot(t, turn)
+        axes[1].set_ylabel("tilt [°]")
     # Forces act in steps of different length, and are noisy: means over 20 ms.
     for name, label in (("force_y" if flat else "force_z", "upwards"), ("force_x", "along x")):
         begin, end = np.searchsorted(t, t - 0.01), np.searchsorted(t, t + 0.01, side="right")
         total = np.concatenate([[0], np.cumsum(record[name])])
-        axes[2].plot(t[1:], ((total[end] - total[begin]) / (end - begin) / weight)[1:], label=label)
-    axes[2].set_ylabel("force of the water / weight")
-    axes[2].set_xlabel("time [s]")
-    style.legend_on_top(axes[2], 2)
+        last.plot(t[1:], ((total[end] - total[begin]) / (end - begin) / weight)[1:], label=label)
+    last.set_ylabel("force of the water\n/ weight [-]")
+    last.set_xlabel("time [s]")
+    style.legend_on_top(last, 2)
     figure.suptitle(title(run), x=0.01, ha="left")
     return figure
 
