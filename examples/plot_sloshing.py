@@ -51,7 +51,8 @@ def draw_centre(run):
                   label="the same with a body force")
     axes.plot(t, 1e3 * run.record["centre_theory"], color=DARK, linewidth=1, linestyle=DASHED,
               label="linear theory")
-    axes.plot(t, 1e3 * run.record["displacement"], color=GREY, linewidth=1, label="of the tank")
+    axes.plot(t, 1e3 * run.record["displacement"], color=GREY, linewidth=1,
+              label="displacement of the tank")
     axes.set_xlabel("time [s]")
     axes.set_ylabel("centre of the water\nin the tank [mm]")
     style.legend_above(figure, axes, 4)
