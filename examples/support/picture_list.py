@@ -118,15 +118,16 @@ class Source(Drawn):
 
 
 class GalleryItem(Source):
-    """A film or picture of docs/gallery.md. short: options of a run for tests, which takes seconds."""
+    """A film or picture of docs/gallery.md. short: options of a run for tests, which takes seconds;
+    drawn_by: the script, if it is not that for all in 2D or in 3D."""
 
-    def __init__(self, name, program, options=None, short=None):
+    def __init__(self, name, program, options=None, short=None, drawn_by=None):
         super().__init__(f"gallery/{name}", program, {"": options or {}},
                          {f"{name}.webp": f"gallery/{name}.webp"}, None)
         self.short_name = name
         self.short = short or {}
         self.is_3d = name.endswith("_3d")
-        self.drawn_by = "draw_gallery_3d.py" if self.is_3d else "draw_gallery_2d.py"
+        self.drawn_by = drawn_by or f"draw_gallery_{'3d' if self.is_3d else '2d'}.py"
 
     def picked_by(self):
         return [self.short_name]
@@ -208,6 +209,15 @@ SOURCES = [
            {"history.png": "oscillating_drop.png"}, flow_shown),
     Source("rotating_square", "fluid_cases", {"": {"case": "rotating_square", "spacing": 0.02}},
            {"frames.png": "rotating_square.png"}, flow_shown),
+    Source("floating_body", "floating_body", {"": {"hold": "both", "until": 2}},
+           {"motion.png": "floating_body.png"}, flow_shown),
+    Source("wave_maker", "wave_maker",
+           {"": {"spacing": 0.02, "length": 6, "until": 8.6, "output-every": 0.05}},
+           {"levels.png": "wave_maker.png"}, flow_shown),
+    Source("sloshing", "sloshing", {"": {"spacing": 0.02, "until": 6}},
+           {"centre.png": "sloshing.png"}, flow_shown),
+    Source("channel", "channel", {"": {"until": 4, "output-every": 0.05}},
+           {"frames.png": "channel.png", "theory.png": "channel_theory.png"}, flow_shown),
 ]
 STEPS = [
     Step("first_fall", "draw_frames.py", "fall.pvd"),
@@ -217,6 +227,7 @@ STEPS = [
     Step("compare", "tutorial/draw_front.py", "front.csv"),
 ]
 SOURCES += STEPS
+MOVING = "draw_gallery_moving.py"
 GALLERY = [
     GalleryItem("broken_tower_3d", "broken_tower",
                 {"dimension": 3, "columns": 8, "depth": 8, "until": 1.6, "output-every": 0.04},
@@ -249,6 +260,22 @@ GALLERY = [
     GalleryItem("taylor_green", "fluid_cases",
                 {"case": "taylor_green", "spacing": 0.02, "frames": 50},
                 {"spacing": 0.1, "until": 0.2, "frames": 4}),
+    GalleryItem("wave_maker", "wave_maker",
+                {"period": 0.7, "stroke": 0.03, "length": 2, "far-end": "sponge", "far-length": 0.7,
+                 "spacing": 0.01, "until": 5, "output-every": 0.05},
+                {"spacing": 0.04, "until": 0.2}, MOVING),
+    GalleryItem("floating_body", "floating_body",
+                {"width": 0.2, "height": 0.2, "tilt": 5, "offset": 0.05, "length": 1.2, "until": 3,
+                 "output-every": 0.04},
+                {"spacing": 0.04, "until": 0.12}, MOVING),
+    GalleryItem("sloshing", "sloshing",
+                {"amplitude": 0.015, "periods": 3, "spacing": 0.005, "until": 3, "output-every": 0.04},
+                {"spacing": 0.02, "until": 0.12}, MOVING),
+    GalleryItem("hydraulic_jump", "channel",
+                {"froude": 3, "length": 3, "until": 3, "output-every": 0.04},
+                {"spacing": 0.0125, "until": 0.12}, MOVING),
+    GalleryItem("weir", "channel", {"case": "weir", "until": 4, "output-every": 0.05},
+                {"spacing": 0.025, "until": 0.15}, MOVING),
     GalleryItem("quickstart_tower", "quickstart_tower"),
     GalleryItem("quickstart_dam", "quickstart_dam"),
     GalleryItem("own_field", "own_field"),

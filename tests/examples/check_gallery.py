@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """Makes a small version of some items of the gallery, of every kind: films of grains and of water in
-2D and 3D, a hopper from its STL file, and a still picture. Checks that the files are as they should be.
+2D and 3D, of water with openings, a hopper from its STL file, and a still picture. Checks that the files
+are as they should be.
 
     check_gallery.py REPOSITORY PROGRAMS SCRATCH
 
@@ -16,8 +17,8 @@ import sys
 
 SKIPPED = 77
 FRAMES = 3
-FILMS = ("broken_tower_2d", "dam_break_2d", "own_field", "broken_tower_3d", "dam_break_3d",
-         "hopper_3d")
+FILMS = ("broken_tower_2d", "dam_break_2d", "own_field", "hydraulic_jump", "broken_tower_3d",
+         "dam_break_3d", "hopper_3d")
 STILLS = ("own_contact_law",)
 MODULES = "numpy, matplotlib, PIL, vtk"
 
