@@ -30,6 +30,11 @@ struct Study {
   nlohmann::ordered_json options;  // of the program, in addition to those of the flow
 };
 
+// clang before 17 deduces none for an aggregate.
+template <class Measure, class Evaluate>
+Study(std::string, std::vector<std::string>, Measure, Evaluate, nlohmann::ordered_json)
+    -> Study<Measure, Evaluate>;
+
 /// Runs or resumes the flow of these particles, and writes NAME.csv, frames.pvd of the water,
 /// walls.pvd of walls and bodies, and summary.json. Further observers, such as openings, are called
 /// before the record.
