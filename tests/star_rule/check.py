@@ -26,7 +26,7 @@ SHARED = {"dem": {"geometry"}, "measure": {"geometry"}, "mpi": {"linear", "solve
 # The rooms of folders, from the lowest floor to the highest.
 FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "measure", "conformance"}],
           "mps": [{"fluid"}, {"operator"}, {"policy"}, {"wall"}, {"scheme", "record"},
-                  {"view", "setup"}, {"pressure"}, {"step"}]}
+                  {"view", "setup"}, {"pressure"}, {"step", "filling"}]}
 
 
 def floor_of(folder, room):

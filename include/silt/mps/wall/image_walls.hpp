@@ -342,12 +342,10 @@ class ImageWalls::InFlow {
     return change;
   }
 
-  /// The move [m] of particle i, ended before it goes into a wall.
-  Vec before_walls(Index i, const Vec& move) const {
+  /// The move [m] of particle i, ended before it goes into a wall, or closer than a clearance
+  /// [spacings].
+  Vec before_walls(Index i, const Vec& move, double clearance = least_clearance) const {
     if (!near_.has_faces(i)) return move;
-    // Spacings: half of KeepApart::image_distance = 0.7. Closer, its own image would give a particle
-    // of spray so high a density that it had a pressure.
-    constexpr double clearance = 0.35;
     return near_[i]
         .before_faces(move.template cast<double>(), clearance * spacing_)
         .template cast<Real>();
@@ -362,6 +360,10 @@ class ImageWalls::InFlow {
   }
 
  private:
+  // Spacings: half of KeepApart::image_distance = 0.7. Closer, its own image would give a particle
+  // of spray so high a density that it had a pressure.
+  static constexpr double least_clearance = 0.35;
+
   template <class P>
   [[gnu::cold]] void find_dry_groups(const P& particles) {
     Faces<Dim>& faces = near_.moving_faces();
