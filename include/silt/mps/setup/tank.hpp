@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A tank with a column of fluid at its left wall, made of particles on one lattice.
+// A tank with a column of fluid at its left wall, made of particles on one lattice, or, between
+// walls of faces that it does not fit, in rows.
 //
 //        |        tank         |        fluid at (i + ½) l0 from the corner (0, 0[, 0])
 //   d d w|~~~~~~               |w d d   w: wall particles, half a spacing outside
@@ -28,8 +29,7 @@
 namespace silt::mps {
 
 /// Size of a tank, from the corner at the origin. With walls of particles, each is a whole number
-/// of spacings; with walls of faces, which stand exactly there, the depth is, which the fluid
-/// fills.
+/// of spacings; walls of faces stand exactly there.
 struct TankSize {
   double length = 0;  ///< along x [m]
   double height = 0;  ///< of the walls, along y (2D) or z (3D) [m]
@@ -39,7 +39,8 @@ struct TankSize {
 /// A tank, and the fluid in it before it is released.
 template <int Dim>
 struct Tank {
-  /// Width and height of the fluid [m], whole numbers of spacings; in 3D it fills the depth.
+  /// Width and height of the fluid [m], with walls of particles whole numbers of spacings; in 3D it
+  /// fills the depth.
   Vec<2> column = Vec<2>::Zero();
   TankSize size = {};
   double spacing = 0;    ///< l0 [m]
@@ -163,19 +164,21 @@ class TankRoom {
   Vec<Dim> upper_ = Vec<Dim>::Zero();
 };
 
-/// The cells of the column, on a lattice that begins in the corner of the tank. Throws if the
-/// column is no whole number of spacings, does not fit, or leaves a gap that holds no particle.
+/// The lengths of the column [spacings], which begins in the corner of the tank. Throws if one is
+/// no whole number and there are wall particles, if it does not fit, or if it leaves a gap that
+/// holds no particle.
 template <int Dim>
-Eigen::Matrix<int, Dim, 1> cells_of_column(const Tank<Dim>& tank, const TankRoom<Dim>& room) {
+Vec<Dim> spacings_of_column(const Tank<Dim>& tank, const TankRoom<Dim>& room,
+                            bool has_wall_particles) {
   constexpr int up = TankRoom<Dim>::up;
   constexpr const char* names[] = {"length", Dim == 2 ? "height" : "depth", "height"};
-  Eigen::Matrix<int, Dim, 1> cells;
+  Vec<Dim> spacings;
   for (int axis = 0; axis < Dim; ++axis) {
     TankLength column = room.along(axis);
     if (axis == 0) column = {"Tank: column width", tank.column[0], tank.spacing};
     if (axis == up) column = {"Tank: column height", tank.column[1], tank.spacing};
-    column.check_is_whole(axis == 0 || axis == up ? "the column is on a lattice"
-                                                  : "the fluid fills it with a lattice");
+    has_wall_particles ? column.check_is_whole("the column is on the lattice of wall particles")
+                       : column.check();
     if (column.spacings() > room.spacings()[axis]) {
       fail({"Tank: along axis ", axis, " (", names[axis], "), the column has ",
             ten_digits(column.spacings()), " spacings, but the tank has ",
@@ -187,12 +190,12 @@ Eigen::Matrix<int, Dim, 1> cells_of_column(const Tank<Dim>& tank, const TankRoom
     } else if (tank.lid) {
       room.along(axis).check_gap(column.spacings(), "in which no particle fits below the lid");
     }
-    cells[axis] = static_cast<int>(column.spacings());
+    spacings[axis] = column.spacings();
   }
-  return cells;
+  return spacings;
 }
 
-/// A tank on the lattice of its particles. Throws as TankRoom and cells_of_column() do.
+/// A tank on the lattice of its particles. Throws as TankRoom and spacings_of_column() do.
 template <int Dim>
 class TankLattice {
  public:
@@ -200,13 +203,26 @@ class TankLattice {
   using Cell = Eigen::Matrix<int, Dim, 1>;
 
   TankLattice(const Tank<Dim>& tank, bool has_wall_particles)
-      : tank_(tank), room_(tank, has_wall_particles), fluid_(cells_of_column(tank, room_)) {}
+      : tank_(tank),
+        room_(tank, has_wall_particles),
+        column_(spacings_of_column(tank, room_, has_wall_particles)) {}
 
   const TankRoom<Dim>& room() const { return room_; }
 
+  /// On the lattice if the column fits it, otherwise in rows.
   template <class P>
   void add_column(P& particles) const {
-    for_each_cell(Cell::Zero(), fluid_,
+    bool fits = true;
+    double volume = 1;
+    for (int k = 0; k < Dim; ++k) {
+      fits = fits && column_[k] == std::round(column_[k]);
+      volume *= column_[k];
+    }
+    if (!fits) {
+      add_rows(particles, up, Vec<Dim>::Zero(), column_, Index(std::round(volume)));
+      return;
+    }
+    for_each_cell(Cell::Zero(), column_.template cast<int>(),
                   [&](const Cell& cell) { add(particles, cell, Kind::fluid); });
   }
   template <class P>
@@ -240,6 +256,30 @@ class TankLattice {
     for (int k = 0; k < Dim; ++k) x[k] = (Real(cell[k]) + Real(0.5)) * Real(tank_.spacing);
     add_particle(particles, x, of_kind);
   }
+  // A number of particles between two corners [spacings]: in layers, rows and evenly in rows.
+  // Layers and rows have nearly the same number, and sizes in proportion to it, so that each
+  // particle has its volume.
+  template <class P>
+  void add_rows(P& particles, int axis, const Vec<Dim>& lower, const Vec<Dim>& upper,
+                Index number) const {
+    using Real = typename P::Real;
+    if (number == 0) return;
+    const double length = upper[axis] - lower[axis];
+    const Index parts = axis == 0 ? number : std::max(Index(1), Index(std::round(length)));
+    Vec<Dim> from = lower, to = upper;
+    for (Index k = 0; k < parts; ++k) {
+      const Index before = k * number / parts, after = (k + 1) * number / parts;
+      from[axis] = lower[axis] + length * double(before) / double(number);
+      to[axis] = lower[axis] + length * double(after) / double(number);
+      if (axis > 0) {
+        add_rows(particles, axis - 1, from, to, after - before);
+        continue;
+      }
+      Vec<Dim, Real> x;
+      for (int a = 0; a < Dim; ++a) x[a] = Real(tank_.spacing * (from[a] + to[a]) / 2);
+      add_particle(particles, x, Kind::fluid);
+    }
+  }
   // Those from `first` to before `end`; x varies fastest, the height slowest.
   template <class F>
   static void for_each_cell(const Cell& first, const Cell& end, F&& f) {
@@ -255,7 +295,7 @@ class TankLattice {
 
   const Tank<Dim>& tank_;
   TankRoom<Dim> room_;
-  Cell fluid_;
+  Vec<Dim> column_;  // [spacings]
 };
 
 }  // namespace detail
@@ -281,10 +321,11 @@ struct TankOf {
 };
 
 /// The same for the walls of a scheme: fluid alone with walls of faces, such as those of
-/// Recommended, otherwise with wall and dummy particles. Faces are exactly where they are asked to
-/// be: the column alone has to be a whole number of spacings wide and high, and the depth in 3D,
-/// which it fills. Throws also if faces leave a gap of less than a spacing beside the column or
-/// below a lid.
+/// Recommended, otherwise with wall and dummy particles. Faces, and the column between them, are
+/// exactly where they are asked to be. A column that is no whole number of spacings wide and high,
+/// and deep in 3D, has as many particles as its volume has cells, to the nearest number, in rows
+/// with slightly different numbers of particles; between walls they rest. Throws also if faces
+/// leave a gap of less than a spacing beside the column or below a lid.
 template <class Scheme, int Dim, class Real = double, Field... Further>
 TankOf<Scheme, Dim, Real, Further...> make_tank(const Tank<Dim>& tank) {
   if constexpr (std::derived_from<WallsOf<Scheme>, ImageWalls>) {
