@@ -29,8 +29,8 @@ namespace silt::mps::detail {
 ///   Σ_j w_ij (h_j − h_i) = a_i h_i   on the surface, h the depth; see OuterSurface
 ///
 /// With these, the source of the pressure equation is that of a pressure ρ g h, which solves it.
-/// There are more unknowns than equations: each of Newton's steps is the shortest one, Δx = −Jᵀ (J
-/// Jᵀ)⁻¹ r.
+/// There are more unknowns than equations: each of Newton's steps is the shortest one,
+/// Δx = −Jᵀ (J Jᵀ)⁻¹ r.
 template <int Dim>
 class Packing {
  public:
@@ -46,6 +46,7 @@ class Packing {
     for (const Vec& x : points) add_particle(water_, x, Kind::fluid);
   }
 
+  /// Of the particles [m].
   auto positions() const { return water_[position]; }
   /// The largest of the residuals of the equations above, over n0 and in spacings [-].
   double deviation() const { return deviation_; }
@@ -84,8 +85,7 @@ class Packing {
     Buffer<Slope> slopes;  // of each neighbour
   };
 
-  // Numbers of iterations: in space, one takes ten times as long, and more neighbours make a state
-  // of rest easier to find.
+  // Numbers of iterations; in space, each takes ten times as long.
   static constexpr int spreading_rounds = 10, moves_per_round = 5;
   static constexpr int even_steps = Dim == 2 ? 30 : 15, most_steps = Dim == 2 ? 100 : 50;
   static constexpr int most_iterations = 60;
