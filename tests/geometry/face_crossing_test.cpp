@@ -90,6 +90,17 @@ TEST(FaceCrossing, IsNotFoundWhereFacesTouchAndSlide) {
                                shift_by({0, 0.05, 0.01})));
 }
 
+// The only test of corners at the ends of faces: a floor that ends below a piston, and a lid that
+// goes through a floor as wide as it is.
+TEST(FaceCrossing, IsFoundAtARimOnlyIfTheFaceGoesThrough) {
+  const auto floor = polyline({{0, 0}, {3, 0}}), piston = polyline({{0, 0}, {0, 0.75}});
+  EXPECT_FALSE(crosses_in_step<2>(floor, piston, {.shift = {0.01, 0}}));
+  EXPECT_FALSE(crosses_in_step<2>(floor, piston, {.shift = {-0.01, 0}}));
+  EXPECT_TRUE(crosses_in_step<2>(floor, piston, {.shift = {0.01, -0.02}}));
+  const auto tank = polyline({{0, 1}, {0, 0}, {1, 0}, {1, 1}});
+  EXPECT_TRUE(crosses_in_step<2>(tank, polyline({{0, 0.01}, {1, 0.01}}), {.shift = {0, -0.02}}));
+}
+
 TEST(FaceCrossing, IsFoundWhereItBegins) {
   const Surface<3> tank = box({0, 0, 0}, {1, 1, 1});
   EXPECT_TRUE(crosses_now(tank, box({0.4, 0.1, -0.01}, {0.5, 0.9, 0.8})));

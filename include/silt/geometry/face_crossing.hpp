@@ -59,7 +59,8 @@ bool goes_through(const CornersOfFace<Dim>& corners, const FaceOfSurface<Dim>& f
 
 /// Whether a corner of a face that moves from here to there in a step goes through another face, at
 /// x; by more than the tolerance [m]. One that is on the face at first comes from the side of its
-/// own face.
+/// own face. At the rim of the other facet it does so only if its own face goes through that facet
+/// beside it: a floor may end below a piston.
 template <int Dim>
 bool corner_passes(const CornersOfFace<Dim>& from, const CornersOfFace<Dim>& to,
                    const FaceOfSurface<Dim>& face, double tolerance, Vec<Dim>& x) {
@@ -75,7 +76,11 @@ bool corner_passes(const CornersOfFace<Dim>& from, const CornersOfFace<Dim>& to,
     }
     if ((begin > 0) == (end > 0)) continue;
     x = to[k];
-    if ((x - nearest_of(face.face, x)).norm() - std::abs(end) <= tolerance) return true;
+    if ((x - nearest_of(face.face, x)).norm() - std::abs(end) > tolerance) continue;
+    Vec<Dim> inwards = -x;
+    for (const Vec<Dim>& corner : to) inwards += corner / Dim;
+    const Vec<Dim> beside = x + 20 * tolerance * inwards.normalized();
+    if (is_within_rim(face, x, tolerance) || is_within_rim(face, beside, tolerance)) return true;
   }
   return false;
 }
