@@ -143,6 +143,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   void begin_step(double t, double time_step, double spacing, Faces<Dim>& faces) override {
     time_step_ = time_step;
     coupling_.clear();
+    holds_bodies_ = false;
     now_.last = now_.steps;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
       now_.steps[g] = step_of(g, t, time_step, spacing);
@@ -189,23 +190,17 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       loads_[b] = load_on(group_of_body(b), bodies_[b].state().position, flow);
     }
-    if (!coupling_.change(bodies_, loads_, flow)) return false;
-    // A body that is pressed against a wall keeps the velocity that it had.
-    contacts_.end_approaches_of_faces(bodies_, flow.spacing, flow.time_step);
+    if (holds_bodies_) return false;
+    if (!coupling_.change(bodies_, loads_, flow)) {
+      if (coupling_.is_empty()) return false;
+      // What the coupling found may be into a wall against which a body is pressed.
+      holds_bodies_ = true;
+      contacts_.end_approaches_of_faces(bodies_, flow.spacing, flow.time_step);
+    }
     const Buffer<StepOfFaces<Dim>> before = now_.steps;
     find_steps_of_bodies();
     faces.set_moves(now_.steps);
-    double change = 0;  // of a velocity [m/s]
-    for (std::size_t b = 0; b < bodies_.size(); ++b) {
-      const std::uint32_t group = group_of_body(b);
-      const auto bounds = faces.bounds_of_group(group);
-      for (const Vec& x : {bounds.lower, bounds.upper}) {
-        change = std::max(change, (now_.steps[group - 1].velocity.at(x) -
-                                   before[group - 1].velocity.at(x))
-                                      .norm());
-      }
-    }
-    return change > 1e-6 * flow.spacing / flow.time_step;
+    return !holds_bodies_ || change_since(before, faces) > 1e-6 * flow.spacing / flow.time_step;
   }
   void end_step(const FlowOfStep<Dim>& flow) override {
     // In an impact, bodies have other velocities than at the beginning.
@@ -313,6 +308,18 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
   };
 
+  // Of the velocities of bodies, at ends of their bounds [m/s].
+  double change_since(const Buffer<StepOfFaces<Dim>>& before, const Faces<Dim>& faces) const {
+    double change = 0;
+    for (std::uint32_t group = group_of_body(0); group <= now_.steps.size(); ++group) {
+      const auto bounds = faces.bounds_of_group(group);
+      for (const Vec& x : {bounds.lower, bounds.upper}) {
+        const Vec now = velocity(group).at(x);
+        change = std::max(change, (now - before[group - 1].velocity.at(x)).norm());
+      }
+    }
+    return change;
+  }
   // After a fall through the extent of all walls [m/s].
   double speed_of_fall(std::size_t b, const Vec& acceleration) const {
     const double by_user =
@@ -455,6 +462,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   std::vector<bool> is_solid_;           // of each body: whether it is given by a density
   BodyContacts<Dim> contacts_;
   BodyCoupling<Dim> coupling_;
+  bool holds_bodies_ = false;         // their velocities in the step are found
   std::vector<BodyLoad<Dim>> loads_;  // of the fluid in the step
   std::vector<typename Faces<Dim>::Bounds> bounds_;  // of a group where it is defined [m]
   double time_step_ = 1;
