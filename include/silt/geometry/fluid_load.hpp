@@ -38,10 +38,11 @@ struct BoundsOfFaces {
       upper = upper.cwiseMax(corner);
     }
   }
-  /// Whether a line from x along an axis may meet a face in these bounds.
-  bool may_be_met(const Vec<Dim>& x, int axis) const {
+  /// Whether a line along an axis that begins no farther than `aside` from x may meet a face in
+  /// these bounds [m].
+  bool may_be_met(const Vec<Dim>& x, int axis, double aside) const {
     for (int k = 0; k < Dim; ++k) {
-      if (k != axis && !(lower[k] <= x[k] && x[k] <= upper[k])) return false;
+      if (k != axis && !(lower[k] <= x[k] + aside && x[k] - aside <= upper[k])) return false;
     }
     return true;
   }
@@ -51,7 +52,9 @@ struct BoundsOfFaces {
 /// P n over the walls that are first seen along an axis is that of ψ ∂P + P ∂ψ over the fluid which
 /// sees them, with derivatives along the axis, where ψ is 1 on these walls, 0 on those in the
 /// opposite direction and linear between both, or 1 if there are none. For ∂P stands −ρ times the
-/// acceleration. The viscous stress of walls acts on the nearest one. Refers to the walls.
+/// acceleration. A particle is as wide as its cell, whose parts may see different walls: in rows, a
+/// part of a wall that protrudes by less than a spacing would get all of a row or nothing. The
+/// viscous stress of walls acts on the nearest one. Refers to the walls.
 template <int Dim>
 class FluidLoad {
  public:
@@ -91,14 +94,14 @@ class FluidLoad {
   const Box<Dim>& box() const { return box_; }
 
   /// The load by all particles of this process, whose changes have the members of
-  /// mps::MomentumChange, and its torque about a point [m]. counts(x, seen_wall) tells whether the
-  /// load counts on a wall that is seen from x, false at an infinite distance; outside of the
-  /// bounds none does. counts_near(nearest_wall) tells it of the viscous stress.
-  template <class Change, class Counts, class CountsNear>
+  /// mps::MomentumChange, and its torque about a point [m]. share_of(x, seen_wall) is the share [-]
+  /// of the load on a wall, seen from x, that counts; 0 at an infinite distance. Outside of the
+  /// bounds nothing does. counts_near(nearest_wall) tells whether the viscous stress counts.
+  template <class Change, class ShareOf, class CountsNear>
   BodyLoad<Dim> sum(const Buffer<Change>& changes, const BoundsOfFaces<Dim>& bounds,
-                    const Vec& about, Counts&& counts, CountsNear&& counts_near) const {
+                    const Vec& about, ShareOf&& share_of, CountsNear&& counts_near) const {
     return in_body(ordered_sum(changes.size(), zero_of<Numbers>(), [&](Index i) {
-      BodyLoad<Dim> load = by(changes[i], bounds, about, counts);
+      BodyLoad<Dim> load = by(changes[i], bounds, about, share_of);
       if (!changes[i].wall_stress.isZero(0)) add_stress(changes[i], about, counts_near, load);
       return in_row(load);
     }));
@@ -113,6 +116,8 @@ class FluidLoad {
   using Numbers = silt::Vec<Dim + angular_size<Dim>>;
   // Spacings: beyond the effective radius of the viscous term, walls have no stress.
   static constexpr double range_of_stress = 5;
+  // Of a cell across the axis: to a sixteenth, in 3D to a quarter of a spacing.
+  static constexpr int splits = Dim == 2 ? 4 : 2;
 
   static Numbers in_row(const BodyLoad<Dim>& load) {
     Numbers row;
@@ -126,29 +131,99 @@ class FluidLoad {
     for (int k = 0; k < angular_size<Dim>; ++k) component(load.torque, k) = row[Dim + k];
     return load;
   }
-  template <class Change, class Counts>
+  // What is seen from a point along an axis, backwards and forwards.
+  using BothSides = std::array<SeenWall, 2>;
+  // The lines along an axis through a part of the cell of a particle: a box of `half` its size
+  // around its middle, as offsets from the particle [m].
+  struct PartOfCell {
+    Vec middle;
+    Vec half;          // 0 along the axis
+    double share = 1;  // of the cell
+  };
+
+  template <class Change, class ShareOf>
   BodyLoad<Dim> by(const Change& change, const BoundsOfFaces<Dim>& bounds, const Vec& about,
-                   Counts&& counts) const {
+                   ShareOf&& share_of) const {
     BodyLoad<Dim> load;
     const Vec x = change.position + aside_;
     for (int axis = 0; axis < Dim; ++axis) {
-      if (!bounds.may_be_met(x, axis)) continue;
-      const std::array seen{in({axis, -1}, x), in({axis, 1}, x)};
-      const double gap = seen[0].face.distance + seen[1].face.distance;
-      double push = 0;
-      for (const std::size_t side : {0u, 1u}) {
-        if (!counts(x, seen[side])) continue;
-        const double sign = side == 0 ? -1 : 1;
-        const double share = is_finite(gap) ? seen[1 - side].face.distance / gap : 1;
-        push += sign * volume_ * change.pressure / gap -
-                share * momentum_ * change.velocity_change[axis];
-      }
-      Vec along = Vec::Zero();
-      along[axis] = push;
-      load.force[axis] += push;
-      load.torque += cross(Vec(x - about), along);
+      if (!bounds.may_be_met(x, axis, spacing_ / 2)) continue;
+      const auto add = [&](const PartOfCell& part, const BothSides& seen) {
+        const Vec at = x + part.middle;
+        const double gap = seen[0].face.distance + seen[1].face.distance;
+        double push = 0;
+        for (const std::size_t side : {0u, 1u}) {
+          const double counts = share_of(at, seen[side]);
+          if (counts == 0) continue;
+          const double sign = side == 0 ? -1 : 1;
+          const double share = is_finite(gap) ? seen[1 - side].face.distance / gap : 1;
+          push += counts * (sign * volume_ * change.pressure / gap -
+                            share * momentum_ * change.velocity_change[axis]);
+        }
+        push *= part.share;
+        Vec along = Vec::Zero();
+        along[axis] = push;
+        load.force[axis] += push;
+        load.torque += cross(Vec(at - about), along);
+      };
+      for_each_part(x, axis, cell_of(x, axis), splits, add);
     }
     return load;
+  }
+  // The cell of a particle is as wide as the spacing, and ends at walls.
+  PartOfCell cell_of(const Vec& x, int axis) const {
+    PartOfCell cell{.middle = Vec::Zero(), .half = Vec::Zero()};
+    for (int k = 0; k < Dim; ++k) {
+      if (k == axis) continue;
+      constexpr double before_wall = 0.999;
+      const auto width = [&](int sign) {
+        return std::min(spacing_ / 2,
+                        before_wall * first_face_in(box_, walls_, x, {k, sign}).distance);
+      };
+      const double lower = width(-1), upper = width(1);
+      cell.middle[k] = (upper - lower) / 2;
+      cell.half[k] = (upper + lower) / 2;
+    }
+    return cell;
+  }
+  // f(part, what its middle sees) for parts of a cell, the whole of it if all of it sees the same.
+  template <class F>
+  void for_each_part(const Vec& x, int axis, const PartOfCell& part, int further, F&& f) const {
+    const auto seen_from = [&](const Vec& offset) {
+      const Vec at = x + offset;
+      return BothSides{in({axis, -1}, at), in({axis, 1}, at)};
+    };
+    const BothSides seen = seen_from(part.middle);
+    // The ends of its diagonals.
+    constexpr unsigned corners = 1u << Dim;
+    const auto corner = [&](unsigned number, double of_half) {
+      Vec offset = part.middle;
+      for (int k = 0; k < Dim; ++k) {
+        offset[k] += ((number >> k & 1u) ? of_half : -of_half) * part.half[k];
+      }
+      return offset;
+    };
+    const auto is_of_cell = [&](unsigned number) { return !(number >> axis & 1u); };
+    bool is_alike = true;
+    for (unsigned c = 0; further > 0 && is_alike && c < corners; ++c) {
+      if (is_of_cell(c)) is_alike = are_alike(seen, seen_from(corner(c, 1)));
+    }
+    if (is_alike) return f(part, seen);
+    for (unsigned c = 0; c < corners; ++c) {
+      if (!is_of_cell(c)) continue;
+      for_each_part(x, axis, {corner(c, 0.5), Vec(part.half / 2), part.share / (corners / 2)},
+                    further - 1, f);
+    }
+  }
+  bool are_alike(const BothSides& one, const BothSides& other) const {
+    for (const std::size_t side : {0u, 1u}) {
+      const SeenFace &a = one[side].face, &b = other[side].face;
+      if (is_finite(a.distance) != is_finite(b.distance)) return false;
+      if (!is_finite(a.distance)) continue;
+      if (walls_[a.element].group != walls_[b.element].group) return false;
+      if (!(std::abs(a.distance - b.distance) < spacing_ / 2)) return false;
+    }
+    return true;
   }
   template <class Change, class CountsNear>
   void add_stress(const Change& change, const Vec& about, CountsNear&& counts_near,

@@ -246,7 +246,8 @@ struct WallGauge {
                    : 0.0;
       };
       detail::together(particles, [&] {
-        load = by_fluid.sum(changes, bounds, place.point, share_of);
+        load =
+            by_fluid.sum(changes, bounds, place.point, share_of, [](const auto&) { return false; });
         return Largest{};
       });
       return -FluidLoad<Dim>::sum_of_all(particles, load).force.dot(place.normals[side]) / all;

@@ -146,7 +146,7 @@ class WallLoad {
             fail({"WallLoad: a face is not on a wall of the flow, but ", face, " m from ",
                   to_text(x), " m in the fluid; give faces of the walls, or parts of them"});
           }
-          return is_finite(face) && face < wall + margin;
+          return is_finite(face) && face < wall + margin ? 1.0 : 0.0;
         },
         [&](const NearestWall& wall) {
           return std::ranges::any_of(faces.elements(), [&](const auto& element) {
@@ -169,7 +169,7 @@ class WallLoad {
     return by_fluid.sum(
         simulation.interaction().momentum_changes(), bounds, about,
         [&](const Vec<Dim>&, const SeenWall& seen) {
-          return is_finite(seen.face.distance) && counts(seen.face.element);
+          return is_finite(seen.face.distance) && counts(seen.face.element) ? 1.0 : 0.0;
         },
         [&](const NearestWall& wall) { return counts(wall.element); });
   }

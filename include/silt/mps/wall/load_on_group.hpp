@@ -40,7 +40,7 @@ class LoadOnGroup {
     const BodyLoad<Dim> own = load_.sum(
         changes, bounds_, about_,
         [&](const Vec&, const typename FluidLoad<Dim>::SeenWall& seen) {
-          return is_finite(seen.face.distance) && is_of_group(seen.face.element);
+          return is_finite(seen.face.distance) && is_of_group(seen.face.element) ? 1.0 : 0.0;
         },
         [&](const typename FluidLoad<Dim>::NearestWall& wall) {
           return is_of_group(wall.element);
