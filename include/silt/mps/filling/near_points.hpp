@@ -20,7 +20,7 @@ class NearPoints {
 
   /// The points x and the radius [m].
   template <class Points>
-  void update(const Points& x, double radius) {
+  void sort(const Points& x, double radius) {
     radius_ = radius;
     points_.assign(x.begin(), x.end());
     if (points_.empty()) return;

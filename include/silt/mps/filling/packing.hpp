@@ -137,7 +137,7 @@ class Packing {
       if (is_stuck) last_success = k;
       wish(k < even_steps);
       if (is_stuck) displace(0.1 * largest_residual, Index(k));
-      solve();
+      find_moves();
       move(0.1 * settings_.spacing);
     }
     std::copy(best.begin(), best.end(), water_[position].begin());
@@ -191,7 +191,7 @@ class Packing {
   }
 
   void find_rows() {
-    near_.update(water_[position], double(operators_.reach()));
+    near_.sort(water_[position], double(operators_.reach()));
     operators_.find(water_, near_);
     boundary_.find(water_, operators_, settings_.surface);
     const Index size = water_.size();
@@ -416,7 +416,7 @@ class Packing {
 
   // moves_ = s − Jᵀ (J Jᵀ + ε D)⁻¹ (r + J s), with the wishes s and the diagonal D, by conjugate
   // gradients.
-  void solve() {
+  void find_moves() {
     const Index size = water_.size();
     moves_.resize(size);
     constexpr double damping = 1e-3;  // ε
