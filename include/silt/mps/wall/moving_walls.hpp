@@ -113,15 +113,9 @@ class MovingWallsInFlow final : public WallMover<Dim> {
         fail({"MovingWalls: moving wall ", bounds_.size(),
               " has no faces; give some, or no motion"});
       }
-      Vec lower = group.faces.empty() ? Vec(Vec::Zero()) : group.faces[0].corners[0];
-      Vec upper = lower;
-      for (const Face<Dim>& face : group.faces) {
-        for (const Vec& corner : face.corners) {
-          lower = lower.cwiseMin(corner);
-          upper = upper.cwiseMax(corner);
-        }
-      }
-      bounds_.push_back({lower, upper});
+      auto bounds = bounds_of(group.faces[0]);
+      for (const Face<Dim>& face : group.faces) bounds.enclose(bounds_of(face));
+      bounds_.push_back(bounds);
     }
     now_.steps.resize(groups_.size() + bodies_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
