@@ -146,8 +146,13 @@ class FluidLoad {
                    ShareOf&& share_of) const {
     BodyLoad<Dim> load;
     const Vec x = change.position + aside_;
+    const auto may_be_met = [&](int axis) { return bounds.may_be_met(x, axis, spacing_ / 2); };
+    bool any = false;
+    for (int axis = 0; axis < Dim; ++axis) any = any || may_be_met(axis);
+    if (!any) return load;
+    const Cell cell = cell_around(x);
     for (int axis = 0; axis < Dim; ++axis) {
-      if (!bounds.may_be_met(x, axis, spacing_ / 2)) continue;
+      if (!may_be_met(axis)) continue;
       const auto add = [&](const PartOfCell& part, const BothSides& seen) {
         const Vec at = x + part.middle;
         const double gap = seen[0].face.distance + seen[1].face.distance;
@@ -166,15 +171,20 @@ class FluidLoad {
         load.force[axis] += push;
         load.torque += cross(Vec(at - about), along);
       };
-      for_each_part(x, axis, cell_of(x, axis), splits, add);
+      PartOfCell whole{cell.middle, cell.half};
+      whole.middle[axis] = whole.half[axis] = 0;
+      for_each_part(x, axis, whole, splits, add);
     }
     return load;
   }
-  // The cell of a particle is as wide as the spacing, and ends at walls.
-  PartOfCell cell_of(const Vec& x, int axis) const {
-    PartOfCell cell{.middle = Vec::Zero(), .half = Vec::Zero()};
+  // The cell of a particle is as wide as the spacing, and ends at walls. As a middle, seen from the
+  // particle, and halves of its widths [m].
+  struct Cell {
+    Vec middle, half;
+  };
+  Cell cell_around(const Vec& x) const {
+    Cell cell;
     for (int k = 0; k < Dim; ++k) {
-      if (k == axis) continue;
       constexpr double before_wall = 0.999;
       const auto width = [&](int sign) {
         return std::min(spacing_ / 2,
