@@ -236,7 +236,8 @@ TEST(Wedge, HasTheForceOfASelfSimilarEntry) {
   EXPECT_NEAR(impulse / (0.5 * 1000 * t * t), 14.14, 0.05 * 14.14);
 }
 
-// A tank that sways near its resonance, and the same in its own frame.
+// A tank that sways near its resonance, and the same in its own frame, for two periods. Longer, two tanks in one frame
+// of which one begins with a particle moved by a ten-thousandth of a spacing differ by as much.
 TEST(SwayedTank, IsTheSameInItsOwnFrame) {
   constexpr double l0 = 0.01, amplitude = 0.01, length = 0.6;
   const double omega = 2 * std::numbers::pi / 1.2;
@@ -261,7 +262,7 @@ TEST(SwayedTank, IsTheSameInItsOwnFrame) {
     return sum / double(particles.size());
   };
   double largest_difference = 0, largest_motion = 0;
-  for (double t = 0.05; t < 4; t += 0.05) {
+  for (double t = 0.05; t < 2.45; t += 0.05) {
     one.run({.until = t, .end_exactly = true});
     other.run({.until = t, .end_exactly = true});
     const double relative = centre_of(one) - displacement(t);
