@@ -75,7 +75,9 @@ class PressureEquation {
           to_surface += w;
         } else {
           add(column, -w);
-          if (column < unknowns) last_column = std::max(last_column, column);
+          if (!Processes::are_several || column < unknowns) {
+            last_column = std::max(last_column, column);
+          }
         }
       });
       system_.diagonal[row] = diagonal;

@@ -62,7 +62,7 @@ class ClosePairs {
   }
   /// f(pair, j) for the images of particles j that walls add to the neighbours.
   template <class F>
-  void for_each_image(F&& f) const {
+  [[gnu::always_inline]] void for_each_image(F&& f) const {
     const auto u = particles_.with_ghosts(velocity);
     operators_.for_each_image(index_, [&](const auto& image) {
       const Real r = image.r_ij.norm();

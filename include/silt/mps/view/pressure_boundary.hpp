@@ -66,7 +66,7 @@ class PressureBoundary {
   /// pressure. Found when it is asked for, as most schemes do not ask; the answer is kept. Throws
   /// before the free surface was found.
   template <class View>
-  bool near_boundary(const View& at) const {
+  [[gnu::always_inline]] bool near_boundary(const View& at) const {
     if (at.index() >= near_boundary_.size()) {
       fail("mps: near_boundary() is not known before the free surface was found; do not use it in "
            "begin()");
