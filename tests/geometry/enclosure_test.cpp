@@ -19,6 +19,8 @@ void expect_what_is_inside(const std::vector<Face<Dim>>& faces, const std::vecto
     if (distance_from(faces, x) < 1e-9) continue;
     const bool expected = is_inside(faces, x);
     EXPECT_EQ(space.contains(x), expected) << x.transpose();
+    const double near = 0.3;
+    EXPECT_EQ(space.has_face_within(near, x), distance_from(faces, x) < near) << x.transpose();
     inside += expected ? 1 : 0;
   }
   EXPECT_GT(inside, points.size() / 10);
@@ -35,6 +37,12 @@ TEST(Enclosure, ContainsWhatIsInside) {
   const std::vector<Face<3>> box = faces_of(Box<3>{.lower = {0, 0, 0}, .upper = {2, 2, 2}});
   const auto grid = lattice<3>({.lower = {-0.7, -0.7, -0.7}, .upper = {2.7, 2.7, 2.7}}, 0.425);
   expect_what_is_inside<3>(box, grid);
+  // Of two boxes that overlap, also what is in both.
+  std::vector<Face<3>> both = box;
+  for (const auto& face : faces_of(Box<3>{.lower = {1, 0.5, 0.5}, .upper = {3, 1.5, 1.5}})) {
+    both.push_back(face);
+  }
+  expect_what_is_inside<3>(both, grid);
 }
 
 }  // namespace
