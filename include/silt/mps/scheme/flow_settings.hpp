@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/mps/policy/outer_surface.hpp>
 #include <silt/mps/scheme/scheme.hpp>
 
 #include <cmath>
