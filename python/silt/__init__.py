@@ -12,7 +12,8 @@
     heap.run(until=1.0)
     print(heap["position"][:, 1].max())
 
-See grain_simulation, flow_simulation, MovingFaces, FloatingBody, Simulation and Column. All quantities are in SI units.
+See grain_simulation, flow_simulation, fill, MovingFaces, FloatingBody, Simulation and Column. All quantities are in
+SI units.
 """
 
 from ._silt import version as __version__
@@ -46,7 +47,16 @@ from .setup import (
     Segment,
     lattice,
 )
-from .simulation import Simulation, VtkSeries, VtkWalls, flow_simulation, grain_simulation, use_threads
+from .simulation import (
+    Filling,
+    Simulation,
+    VtkSeries,
+    VtkWalls,
+    fill,
+    flow_simulation,
+    grain_simulation,
+    use_threads,
+)
 
 __all__ = [
     "BodyState",
@@ -57,6 +67,7 @@ __all__ = [
     "CundallStrack",
     "Cylinder",
     "Error",
+    "Filling",
     "FloatingBody",
     "HertzMindlin",
     "LinearSpringDashpot",
@@ -77,6 +88,7 @@ __all__ = [
     "__version__",
     "faces_of_box",
     "faces_of_polyline",
+    "fill",
     "flow_simulation",
     "grain_simulation",
     "lattice",

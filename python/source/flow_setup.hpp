@@ -32,6 +32,25 @@ struct FlowSetup {
   Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< [m/s²]
 };
 
+/// Water at rest in the tank of a flow, see mps::Pool.
+template <int Dim>
+struct PoolSetup {
+  FlowSetup<Dim> flow;  ///< but for the fluid
+  Vec<Dim> inside;      ///< [m]
+  double level = 0;     ///< [m]
+};
+
+/// What mps::fill() made.
+struct FilledPool {
+  Rows positions;        ///< [m]
+  double volume = 0;     ///< [m³], in 2D [m²]
+  double deviation = 0;  ///< [-]
+};
+
+/// Compiled in filling.cpp. Throws if a number is out of range, or the pool is invalid.
+template <int Dim>
+FilledPool fill_pool(const PoolSetup<Dim>& setup);
+
 /// Throws if a number is out of range, or a particle outside of the tank.
 template <int Dim>
 std::unique_ptr<AnySimulation> make_flow_simulation(const FlowSetup<Dim>& setup);

@@ -18,6 +18,7 @@
 
 #include "any_simulation.hpp"
 #include "body_state.hpp"
+#include "empty_tank.hpp"
 #include "flow_setup.hpp"
 #include "setup_in_file.hpp"
 #include "typed_simulation.hpp"
@@ -45,13 +46,7 @@ Box<Dim> room_of(const FlowSetup<Dim>& setup, Box<Dim> box) {
 
 template <int Dim>
 mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
-  const Vec<Dim> size = to_vector<Dim>("flow_simulation: tank", setup.tank);
-  mps::Tank<Dim> tank{.size = {.length = size[0], .height = size[Dim - 1]},
-                      .spacing = setup.spacing,
-                      .lid = setup.lid,
-                      .on_escape = setup.on_escape};
-  if constexpr (Dim == 3) tank.size.depth = size[1];
-  auto made = mps::make_empty_tank<mps::Recommended, Dim>(tank);
+  auto made = empty_tank_of("flow_simulation", setup);
   auto& fluid = made.particles;
   const Box<Dim> room = room_of(setup, fluid.box());
   fluid.reserve(setup.positions.size());
@@ -65,13 +60,6 @@ mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
     }
     mps::add_particle(fluid, x, mps::Kind::fluid);
     fluid[velocity][i] = setup.velocities.template vector<Dim>(i);
-  }
-  auto& faces = made.walls.template faces<Dim>();
-  faces.insert(faces.end(), setup.walls.begin(), setup.walls.end());
-  if constexpr (Dim == 2) {
-    made.walls.moving_2d = setup.moving;
-  } else {
-    made.walls.moving_3d = setup.moving;
   }
   return made;
 }

@@ -186,16 +186,29 @@ PYBIND11_MODULE(_silt, module) {
                                gravity, damping, box, steps_per_contact, max_overlap};
     return std::make_shared<Core>(x.shape(1) == 2 ? grains<2>(given) : grains<3>(given));
   });
-  module.def(
-      "flow", [](const Doubles& x, const Doubles& u, const std::vector<double>& tank, bool lid,
-                 const Doubles& walls, const py::list& moving, const py::list& bodies,
-                 bool removes_escaped, double spacing, double density, double viscosity,
-                 double speed_scale, const std::optional<Doubles>& gravity) {
-        const FlowArguments given{
-            x,       u,       tank,      lid,         walls,  moving, bodies, removes_escaped,
-            spacing, density, viscosity, speed_scale, gravity};
-        return std::make_shared<Core>(x.shape(1) == 2 ? flow<2>(given) : flow<3>(given));
-      });
+  module.def("flow",
+             [](const Doubles& x, const Doubles& u, const std::vector<double>& tank, bool lid,
+                const Doubles& walls, const py::list& moving, const py::list& bodies,
+                bool removes_escaped, double spacing, double density, double viscosity,
+                double speed_scale, const std::optional<Doubles>& gravity) {
+               const FlowArguments given{x,
+                                         u,
+                                         {tank, lid, walls, moving, bodies},
+                                         removes_escaped,
+                                         spacing,
+                                         density,
+                                         viscosity,
+                                         speed_scale,
+                                         gravity};
+               return std::make_shared<Core>(x.shape(1) == 2 ? flow<2>(given) : flow<3>(given));
+             });
+  module.def("fill", [](const std::vector<double>& inside, double level, double spacing,
+                        const std::vector<double>& tank, bool lid, const Doubles& walls,
+                        const py::list& moving, const py::list& bodies) {
+    const WallArguments given{tank, lid, walls, moving, bodies};
+    return inside.size() == 2 ? filling_of<2>(given, inside, level, spacing)
+                              : filling_of<3>(given, inside, level, spacing);
+  });
   module.def("lattice", [](const std::vector<double>& lower, const std::vector<double>& upper,
                            double spacing) {
     return lower.size() == 2 ? lattice_of<2>(lower, upper, spacing)

@@ -10,6 +10,7 @@
 #include "any_wall.hpp"
 #include "arrays.hpp"
 #include "flow_setup.hpp"
+#include "interpreter_lock.hpp"
 #include "moving_walls.hpp"
 #include "objects.hpp"
 #include <pybind11/numpy.h>
@@ -154,13 +155,30 @@ std::unique_ptr<AnySimulation> grains(const GrainArguments& given) {
   return grains(given.law, setup);
 }
 
+// The walls of a flow. The arrays have been checked by the package.
+struct WallArguments {
+  std::vector<double> tank;
+  bool lid;
+  Doubles faces;
+  py::list moving, bodies;
+};
+
+/// A flow with these walls, which are arguments of a function of the package.
+template <int Dim>
+FlowSetup<Dim> flow_between(const std::string& function, const WallArguments& given) {
+  FlowSetup<Dim> setup;
+  setup.tank = given.tank;
+  setup.lid = given.lid;
+  setup.walls = faces_from<Dim>(function + ": walls", given.faces);
+  setup.moving = moving_walls_of<Dim>(given.moving, given.bodies);
+  setup.moving_count = given.moving.size();
+  return setup;
+}
+
 // The arrays have been checked by the package.
 struct FlowArguments {
   Doubles position, velocity;
-  std::vector<double> tank;
-  bool lid;
-  Doubles walls;
-  py::list moving, bodies;
+  WallArguments walls;
   bool removes_escaped;
   double spacing, density, viscosity, speed_scale;
   std::optional<Doubles> gravity;
@@ -168,22 +186,36 @@ struct FlowArguments {
 
 template <int Dim>
 std::unique_ptr<AnySimulation> flow(const FlowArguments& given) {
-  FlowSetup<Dim> setup{.positions = rows_of(given.position),
-                       .velocities = rows_of(given.velocity),
-                       .tank = given.tank,
-                       .lid = given.lid,
-                       .walls = faces_from<Dim>("flow_simulation: walls", given.walls),
-                       .moving = moving_walls_of<Dim>(given.moving, given.bodies),
-                       .moving_count = given.moving.size(),
-                       .on_escape = given.removes_escaped ? OnEscape::remove : OnEscape::refuse,
-                       .spacing = given.spacing,
-                       .density = given.density,
-                       .viscosity = given.viscosity,
-                       .speed_scale = given.speed_scale};
+  FlowSetup<Dim> setup = flow_between<Dim>("flow_simulation", given.walls);
+  setup.positions = rows_of(given.position);
+  setup.velocities = rows_of(given.velocity);
+  setup.on_escape = given.removes_escaped ? OnEscape::remove : OnEscape::refuse;
+  setup.spacing = given.spacing;
+  setup.density = given.density;
+  setup.viscosity = given.viscosity;
+  setup.speed_scale = given.speed_scale;
   if (given.gravity) {
     setup.gravity = to_vector<Dim>("flow_simulation: gravity", numbers_of(*given.gravity));
   }
   return make_flow_simulation(setup);
+}
+
+/// Water at rest: positions, volume and deviation.
+template <int Dim>
+py::tuple filling_of(const WallArguments& walls, const std::vector<double>& inside, double level,
+                     double spacing) {
+  PoolSetup<Dim> setup{.flow = flow_between<Dim>("fill", walls),
+                       .inside = to_vector<Dim>("fill: inside", inside),
+                       .level = level};
+  setup.flow.spacing = spacing;
+  FilledPool pool;
+  {
+    const Unlocked unlocked;
+    pool = fill_pool(setup);
+  }
+  py::array_t<double> array({py::ssize_t(pool.positions.size()), py::ssize_t(Dim)});
+  std::copy(pool.positions.numbers.begin(), pool.positions.numbers.end(), array.mutable_data());
+  return py::make_tuple(array, pool.volume, pool.deviation);
 }
 
 template <int Dim>

@@ -64,6 +64,12 @@ class Examples(unittest.TestCase):
         self.assertIn("The box rises and falls by", output)
         self.assertIn("walls_000075.vtu", files)
 
+    def test_water_flows_to_the_lower_side_of_the_basin(self):
+        variables, output, _ = self.run_example("basin")
+        self.assertAlmostEqual(variables["left"].volume, 0.25 * (0.3 + 0.3 * 0.25 / 0.4 / 2), delta=1e-9)
+        self.assertGreater(variables["moved"], 0.1)
+        self.assertIn("of water moved by", output)
+
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "Matplotlib is not installed")
     def test_notebook_sets_up_runs_and_plots(self):
         os.environ["MPLBACKEND"] = "Agg"

@@ -288,5 +288,43 @@ class Bodies(unittest.TestCase):
         self.assertEqual(water().bodies, ())
 
 
+class Fillings(unittest.TestCase):
+    def test_are_at_rest_between_any_walls(self):
+        tank = {"spacing": 0.02, "tank": (0.6, 0.5)}
+        full = silt.fill(inside=(0.1, 0.1), level=0.2, **tank)
+        self.assertTrue(np.array_equal(full.position, silt.lattice((0, 0), (0.6, 0.2), 0.02)))
+        self.assertEqual((len(full), full.deviation), (300, 0))
+        self.assertAlmostEqual(full.volume, 0.12)
+        tank["walls"] = silt.faces_of_polyline([(0, 0.4), (0.3, 0.1), (0.6, 0.4)])
+        oblique = silt.fill(inside=(0.3, 0.2), level=0.3, **tank)
+        self.assertAlmostEqual(oblique.volume, 0.04)
+        self.assertLess(oblique.deviation, 1e-6)
+        still = silt.flow_simulation(position=oblique.position, speed_scale=1.7, **tank)
+        still.run(until=0.1)
+        self.assertLess(np.abs(still["velocity"]).max(), 1e-5)
+
+    def test_are_beside_moving_walls_and_bodies(self):
+        box, board = silt.faces_of_box((0.24, 0.15), (0.44, 0.25)), [[(0.1, 0.5), (0.1, 0)]]
+        around = silt.fill(inside=(0.2, 0.05), level=0.2, spacing=0.02, tank=(0.6, 0.5),
+                           moving=silt.MovingFaces(faces=board, motion=lambda t: ((0.1 * t, 0), 0)),
+                           bodies=silt.FloatingBody(faces=box, density=500))
+        self.assertAlmostEqual(around.volume, 0.5 * 0.2 - 0.2 * 0.05, delta=1e-3)
+        self.assertGreater(around.position[:, 0].min(), 0.1)
+
+    def test_are_of_3d(self):
+        full = silt.fill(inside=(0.1, 0.1, 0.1), level=0.2, spacing=0.05, tank=(0.5, 0.3, 0.5))
+        self.assertTrue(np.array_equal(full.position, silt.lattice((0, 0, 0), (0.5, 0.3, 0.2), 0.05)))
+
+    def test_refuse_bad_arguments(self):
+        good = {"inside": (0.1, 0.1), "level": 0.2, "spacing": 0.02, "tank": (0.6, 0.5)}
+        for bad in ({"inside": (0.1, 0.1, 0.1)}, {"inside": (2, 2)}, {"inside": 1}, {"level": NAN}, {"level": "high"},
+                    {"level": 0.6}, {"spacing": 0}, {"tank": (0.6,)}, {"tank": (0.6, 0)}, {"lid": 1}, {"moving": 3},
+                    {"bodies": [3]}, {"walls": np.zeros((1, 3, 3))}, {"walls": [[(0, 0), (0, 0)]]},
+                    {"walls": [[(0.095, 0), (0.095, 0.5)], [(0.105, 0), (0.105, 0.5)]]}):
+            with self.assertRaises(silt.Error, msg=repr(bad)) as caught:
+                silt.fill(**(good | bad))
+            self.assertRegex(str(caught.exception), r"[a-z]+.*[;:]", "names the quantity, and what to do")
+
+
 if __name__ == "__main__":
     unittest.main()
