@@ -343,6 +343,13 @@ TEST(FloatingBodies, RefuseWhatIsNoBody) {
       {"body 0: load: force", "nan"}));
   EXPECT_TRUE(refuses(
       [&] {
+        auto flat = box;
+        flat[2].corners[1] = flat[2].corners[0];
+        flow({.faces = flat, .density = 500});
+      },
+      {"body 0: face 2", "remove it"}));
+  EXPECT_TRUE(refuses(
+      [&] {
         auto crossed = box;
         crossed[0].corners[1] = {0.3, 0.1};
         flow({.faces = crossed, .density = 500});

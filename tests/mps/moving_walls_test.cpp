@@ -241,7 +241,7 @@ TEST(MovingWalls, RefuseWhatCannotMove) {
       MotionFunction<2>{[](double t) { return Pose<2>{.shift = {0, t > 0 ? nan : 0}}; }},
       {"moving wall 0 has no finite position at 0 s"}));
   EXPECT_TRUE(refuses([&] { step({{.faces = polyline({{0, 0}, {0, 0}}), .motion = {}}}); },
-                      {"moving group 0: face 0"}));
+                      {"moving wall 0: face 0"}));
   // The end of a plate that goes down, into the floor.
   EXPECT_TRUE(refuses(
       [&] {

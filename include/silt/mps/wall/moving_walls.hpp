@@ -55,11 +55,21 @@ struct MovingWalls {
   std::vector<MovingFaces<Dim>> faces = {};
   std::vector<FloatingBody<Dim>> bodies = {};  ///< moved by the fluid
 
-  /// See AnyMovingWalls.
+  /// See AnyMovingWalls. Throws if a face is invalid, see require_size().
   std::vector<std::vector<Face<Dim>>> groups() const {
     std::vector<std::vector<Face<Dim>>> all;
-    for (const MovingFaces<Dim>& group : faces) all.push_back(group.faces);
-    for (const FloatingBody<Dim>& body : bodies) all.push_back(body.faces);
+    const auto add = [&](const std::string& name, const std::vector<Face<Dim>>& group) {
+      for (std::size_t k = 0; k < group.size(); ++k) {
+        require_size("MovingWalls: " + name + ": face " + std::to_string(k), group[k]);
+      }
+      all.push_back(group);
+    };
+    for (std::size_t g = 0; g < faces.size(); ++g) {
+      add("moving wall " + std::to_string(g), faces[g].faces);
+    }
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      add("body " + std::to_string(b), bodies[b].faces);
+    }
     return all;
   }
   /// Throws if a motion or a body is invalid.
