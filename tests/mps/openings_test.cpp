@@ -277,6 +277,7 @@ TEST(Openings, RefuseWhatTheyCannotBe) {
       {"level = 0.05", "Extraction", "remove it"}));
   EXPECT_TRUE(
       refuses([] { mps::Outflow<2>{Box<2>{.lower = {1, 0}, .upper = {0, 1}}}; }, {"lower = 1"}));
+  EXPECT_TRUE(refuses([] { mps::Outflow<2>{Box<2>{}}; }, {"infinite on all sides", "finite side"}));
 
   using Pressure = mps::PressureOpening<2>;
   EXPECT_TRUE(refuses([&] { Pressure({.faces = good.faces, .inwards = {1, 0}, .spacing = l0}); },
@@ -286,6 +287,14 @@ TEST(Openings, RefuseWhatTheyCannotBe) {
         Pressure({.faces = good.faces, .spacing = l0, .pressure = mps::HydrostaticPressure{}});
       },
       {"inwards", "no direction"}));
+  EXPECT_TRUE(refuses(
+      [&] {
+        Pressure({.faces = good.faces,
+                  .inwards = {1, 0},
+                  .spacing = l0,
+                  .pressure = mps::HydrostaticPressure{.level = 0.1, .density = -1000}});
+      },
+      {"HydrostaticPressure: density = -1000"}));
 }
 
 TEST(Openings, RefuseFlowsThatAreNotTheirs) {
@@ -297,6 +306,14 @@ TEST(Openings, RefuseFlowsThatAreNotTheirs) {
   auto simulation = simulation_of<2>(duct.water(), settings);
   EXPECT_TRUE(refuses([&] { simulation.run({.until = 1}, coarse); },
                       {"spacing = 0.04", "not that of the flow, 0.02"}));
+  // Without its piston.
+  mps::Inflow<2> open({.faces = duct.section(0), .velocity = {1, 0}, .spacing = l0});
+  mps::Extraction<2> open_end({.faces = duct.section(0.3), .velocity = {1, 0}, .spacing = l0});
+  auto unbounded = simulation_of<2>(duct.water(), duct.settings());
+  EXPECT_TRUE(refuses([&] { unbounded.run({.until = 1}, open); },
+                      {"mps::Inflow: its piston() is none of the walls", "moving_2d"}));
+  EXPECT_TRUE(refuses([&] { unbounded.run({.until = 1}, open_end); },
+                      {"mps::Extraction: its piston() is none of the walls", "moving_2d"}));
   // One that has missed steps.
   Channel channel;
   auto late = channel.simulation();

@@ -43,8 +43,8 @@ class Extraction {
     return double(number_) * std::pow(piston_.opening().spacing, Dim);
   }
 
-  /// Removes the layer that is due. Throws if the spacing is not that of the flow, or if it was not
-  /// called before earlier steps.
+  /// Removes the layer that is due. Throws if the spacing is not that of the flow, if the piston is
+  /// none of its walls, or if it was not called before earlier steps.
   template <class Sim>
   void before_step(Sim& simulation) {
     using P = std::remove_cvref_t<decltype(simulation.particles())>;

@@ -44,8 +44,8 @@ class Inflow {
     return piston_.motion().speed_at(time) * piston_.plane().area();
   }
 
-  /// Adds the layer that is due. Throws if the spacing is not that of the flow, or if it was not
-  /// called before earlier steps.
+  /// Adds the layer that is due. Throws if the spacing is not that of the flow, if the piston is
+  /// none of its walls, or if it was not called before earlier steps.
   template <class Sim>
   void before_step(Sim& simulation) {
     using P = std::remove_cvref_t<decltype(simulation.particles())>;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
@@ -21,8 +22,16 @@ namespace silt::mps {
 template <int Dim>
 class Outflow {
  public:
-  /// Throws if the box is invalid.
-  explicit Outflow(const Box<Dim>& box) : region_(box) { region_.check(); }
+  /// Throws if the box is invalid, or infinite on all sides.
+  explicit Outflow(const Box<Dim>& box) : region_(box) {
+    region_.check();
+    for (int k = 0; k < Dim; ++k) {
+      if (is_finite(box.lower[k]) || is_finite(box.upper[k])) return;
+    }
+    fail(
+        "Outflow: the box is infinite on all sides, so that all fluid would be removed; give it a "
+        "finite side, beyond which fluid has left");
+  }
 
   Index number() const noexcept { return number_; }   ///< of particles removed so far
   double volume() const noexcept { return volume_; }  ///< of those [m³], in 2D [m²]

@@ -23,7 +23,7 @@ namespace silt::mps {
 /// The pressure of water at rest below a level [Pa], and 0 above it.
 struct HydrostaticPressure {
   double level = 0;       ///< height, the last coordinate [m]
-  double density = 1000;  ///< [kg/m³]
+  double density = 1000;  ///< [kg/m³], above 0
   double gravity = 9.81;  ///< [m/s²], at least 0
   double at_level = 0;    ///< [Pa]
 
@@ -32,6 +32,13 @@ struct HydrostaticPressure {
   double operator()(const Vec<Dim>& x, double) const {
     const double depth = level - x[Dim - 1];
     return depth > 0 ? at_level + density * gravity * depth : 0;
+  }
+  /// Throws if a number is out of range.
+  void check() const {
+    require_finite("HydrostaticPressure: level", level);
+    require_positive("HydrostaticPressure: density", density);
+    require_not_negative("HydrostaticPressure: gravity", gravity);
+    require_finite("HydrostaticPressure: at_level", at_level);
   }
 };
 
@@ -55,7 +62,8 @@ class PressureOpening {
   };
 
   /// Throws if the faces are none, invalid or not in one plane, if the direction is not normal to
-  /// them, if a setting is missing, or if the opening is not wide enough for particles.
+  /// them, if a setting is missing, if a HydrostaticPressure is out of range, or if the opening is
+  /// not wide enough for particles.
   explicit PressureOpening(const Settings& settings)
       : settings_(checked(settings)),
         plane_(std::make_shared<const detail::PlaneOfOpening<Dim>>(
@@ -130,6 +138,9 @@ class PressureOpening {
     }
     if (!settings.pressure) {
       fail("PressureOpening: there is no pressure; give a function of position and time");
+    }
+    if (const auto* given = settings.pressure.template target<HydrostaticPressure>()) {
+      given->check();
     }
     return settings;
   }

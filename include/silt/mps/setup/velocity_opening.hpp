@@ -46,15 +46,21 @@ struct VelocityOpening {
 
 namespace detail {
 
-/// How a piston moves, as functions of time; with the time of its last layer.
+/// What a piston among the walls of a flow and its observer know of each other.
+struct PistonAndObserver {
+  std::atomic<double> time_of_layers = -std::numeric_limits<double>::infinity();  // [s]
+  std::atomic<bool> is_wall = false;  // whether a flow has asked where the piston is
+};
+
+/// How a piston moves, as functions of time.
 template <int Dim>
 struct MotionOfPiston {
   double speed = 0;  // in the end [m/s]
   Vec<Dim> direction = Vec<Dim>::Zero();
-  double thickness = 1;                                 // of a layer [m]
-  double from = 0, ramp = 0;                            // [s]
-  const char* name = "";                                // of the observer
-  std::shared_ptr<std::atomic<double>> time_of_layers;  // for which they were made [s]
+  double thickness = 1;       // of a layer [m]
+  double from = 0, ramp = 0;  // [s]
+  const char* name = "";      // of the observer
+  std::shared_ptr<PistonAndObserver> both;
 
   /// How far it would have moved without going back [m].
   double way(double t) const {
@@ -70,11 +76,14 @@ struct MotionOfPiston {
   /// Where it is, from the opening on [m].
   double place(double t) const { return way(t) - layers(t) * thickness; }
 
-  Pose<Dim> pose_at(double t) const { return {.shift = place(t) * direction}; }
+  Pose<Dim> pose_at(double t) const {
+    both->is_wall = true;
+    return {.shift = place(t) * direction};
+  }
   RigidVelocity<Dim> velocity_at(double t) const { return {.linear = speed_at(t) * direction}; }
   /// It goes back between steps only. Throws if the observer has not made the layers that are due.
   Pose<Dim> move_in(double t, double time_step) const {
-    if (layers(t) > 0 && *time_of_layers != t) {
+    if (layers(t) > 0 && both->time_of_layers != t) {
       fail({name, ": no particles are added or removed in the step at ", t,
             " s; pass it to run(), or call its before_step(simulation) before each step, and "
             "give each simulation its own"});
@@ -100,8 +109,7 @@ class PistonInOpening {
                .from = opening.from,
                .ramp = opening.ramp,
                .name = name,
-               .time_of_layers =
-                   std::make_shared<std::atomic<double>>(-std::numeric_limits<double>::infinity())};
+               .both = std::make_shared<PistonAndObserver>()};
   }
 
   const VelocityOpening<Dim>& opening() const noexcept { return opening_; }
@@ -110,7 +118,7 @@ class PistonInOpening {
   MovingFaces<Dim> faces() const { return {opening_.faces, motion_}; }
 
   /// Calls make_layer() if one is due at a time [s]. Throws if the spacing is not that of the flow
-  /// [m], or if more than one is due.
+  /// [m], if no flow has the piston, or if more than one is due.
   template <class F>
   void make_layers(double time, double spacing_of_flow, F&& make_layer) {
     if (spacing_of_flow != opening_.spacing) {
@@ -123,11 +131,16 @@ class PistonInOpening {
             double(layers_),
             " were made; pass it to each run() of one simulation, from its beginning on"});
     }
+    if (!motion_.both->is_wall) {
+      fail({motion_.name,
+            ": its piston() is none of the walls of the flow, so that fluid would pass the opening "
+            "as it likes; add it to the faces of ImageWalls::moving_2d or moving_3d"});
+    }
     if (due > layers_) {
       make_layer();
       layers_ = due;
     }
-    *motion_.time_of_layers = time;
+    motion_.both->time_of_layers = time;
   }
 
   template <class Archive>
