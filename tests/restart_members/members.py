@@ -102,7 +102,7 @@ NOT_STORED = {
                       **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_"),
                       "walls_": "those that move; others have the same bits whenever they are found, see WallModel"},
     "WallMotions": {"mover_": "for_each_number() passes its state"},
-    "MovingWallsInFlow": {**all_of(GIVEN, "groups_ bounds_ is_solid_"), **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_"),
+    "MovingWallsInFlow": {**all_of(GIVEN, "groups_ is_solid_"), **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_"),
                           "now_": "WallMotions passes for_each_number(); begin_step() sets now_.last from now_.steps",
                           "bodies_": "for_each_number() passes them", "saved_": ROLLBACK},
     "BodyInFlow": {**all_of(GIVEN, "body_ mass_ largest_distance_"), **all_of(ANEW, "time_step_ load_of_user_"),
@@ -200,7 +200,7 @@ NOT_SAVED = {
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
                       **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_")},
     "WallMotions": {"mover_": "save() and restore() are those of the mover"},
-    "MovingWallsInFlow": {**all_of(GIVEN, "groups_ bounds_ is_solid_"),
+    "MovingWallsInFlow": {**all_of(GIVEN, "groups_ is_solid_"),
                           **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_")},
     "BodyInFlow": {**all_of(GIVEN, "body_ mass_ largest_distance_"), **all_of(ANEW, "time_step_ load_of_user_")},
 }

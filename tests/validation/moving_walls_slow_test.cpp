@@ -236,8 +236,9 @@ TEST(Wedge, HasTheForceOfASelfSimilarEntry) {
   EXPECT_NEAR(impulse / (0.5 * 1000 * t * t), 14.14, 0.05 * 14.14);
 }
 
-// A tank that sways near its resonance, and the same in its own frame, for two periods. Longer, two tanks in one frame
-// of which one begins with a particle moved by a ten-thousandth of a spacing differ by as much.
+// A tank that sways near its resonance, and the same in its own frame, for two periods. After that
+// small differences grow: at 4 s, two tanks in one frame differ as much if one has its acceleration
+// a third of a step later, see verification.md.
 TEST(SwayedTank, IsTheSameInItsOwnFrame) {
   constexpr double l0 = 0.01, amplitude = 0.01, length = 0.6;
   const double omega = 2 * std::numbers::pi / 1.2;

@@ -2,14 +2,10 @@
 // Walls of a flow that move, and bodies that float in it.
 #pragma once
 
-#include <silt/core/box.hpp>
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
-#include <silt/core/parallel.hpp>
-#include <silt/core/rotation.hpp>
 #include <silt/core/types.hpp>
-#include <silt/geometry/any_rigid_motion.hpp>
 #include <silt/geometry/face.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/given_motions.hpp>
@@ -23,11 +19,12 @@
 #include <silt/mps/wall/floating_body.hpp>
 #include <silt/mps/wall/load_on_group.hpp>
 #include <silt/mps/wall/moving_wall_checks.hpp>
+#include <silt/mps/wall/prescribed_motion.hpp>
 #include <silt/mps/wall/solid_bodies.hpp>
 #include <silt/mps/wall/wall_motions.hpp>
+#include <silt/mps/wall/wetted_bounds.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -39,14 +36,6 @@
 #include <vector>
 
 namespace silt::mps {
-
-/// Faces of the walls of a flow that move together, as a rigid body.
-template <int Dim>
-struct MovingFaces {
-  std::vector<Face<Dim>> faces;  ///< where they are defined, see Pose
-  /// A RigidMotion, such as Translation, Rotation or Vibration; at rest if none is given.
-  AnyRigidMotion<Dim> motion = {};
-};
 
 /// The moving walls of a flow: ImageWalls::moving_2d or moving_3d. Their groups are numbered from 1 on,
 /// first those of the faces, then those of the bodies.
@@ -105,7 +94,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   using Vec = silt::Vec<Dim>;
 
   /// Throws if a motion or a body is invalid.
-  explicit MovingWallsInFlow(const MovingWalls<Dim>& walls) : groups_(walls.faces) {
+  explicit MovingWallsInFlow(const MovingWalls<Dim>& walls) {
     for (std::size_t b = 0; b < walls.bodies.size(); ++b) {
       bodies_.emplace_back("MovingWalls: body " + std::to_string(b), walls.bodies[b]);
       is_solid_.push_back(!walls.bodies[b].mass_properties);
@@ -113,23 +102,12 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       fail({"MovingWalls: body ", b, ": density = ", walls.bodies[b].density,
             " kg/m³ has no meaning beside mass_properties; give one of them"});
     }
-    for (const MovingFaces<Dim>& group : groups_) {
-      group.motion.check();
-      if (const double period = group.motion.period(); !(period > 0)) {
-        fail({"MovingWalls: moving wall ", bounds_.size(), ": its motion has a period() of ",
-              period, " s; give one above 0, or infinity"});
-      }
-      if (group.faces.empty()) {
-        fail({"MovingWalls: moving wall ", bounds_.size(),
-              " has no faces; give some, or no motion"});
-      }
-      auto bounds = bounds_of(group.faces[0]);
-      for (const Face<Dim>& face : group.faces) bounds.enclose(bounds_of(face));
-      bounds_.push_back(bounds);
+    for (std::size_t g = 0; g < walls.faces.size(); ++g) {
+      groups_.emplace_back("MovingWalls: moving wall " + std::to_string(g), walls.faces[g]);
     }
     now_.steps.resize(groups_.size() + bodies_.size());
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      now_.steps[g].before = groups_[g].motion.pose_at(0);
+      now_.steps[g].before = groups_[g].pose_at(0);
     }
     now_.last.resize(groups_.size() + bodies_.size());
   }
@@ -150,7 +128,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     holds_bodies_ = false;
     now_.last = now_.steps;
     for (std::size_t g = 0; g < groups_.size(); ++g) {
-      now_.steps[g] = step_of(g, t, time_step, spacing);
+      now_.steps[g] = groups_[g].step(t, time_step, spacing);
     }
     for (std::size_t b = 0; b < bodies_.size(); ++b) {
       bodies_[b].begin_step("MovingWalls: body " + std::to_string(b), t, time_step);
@@ -169,10 +147,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
       find_steps_of_bodies();
       faces.set_moves(now_.steps);
     }
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      now_.fastest_given =
-          std::max(now_.fastest_given, speed_of(g, now_.steps[g].before, now_.steps[g].velocity));
-    }
+    now_.fastest_given = std::max(now_.fastest_given, speed_of_given());
     if (now_.is_first) {
       now_.last = now_.steps;
       for (const BodyInFlow<Dim>& body : bodies_) {
@@ -187,7 +162,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     if (bodies_.empty()) return false;
     if (coupling_.is_empty()) {
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
-        bodies_[b].set_shares(wetted_bounds(flow, b));
+        bodies_[b].set_shares(wetted_bounds(flow, group_of_body(b), bodies_[b].state().position));
       }
     }
     loads_.resize(bodies_.size());
@@ -239,10 +214,8 @@ class MovingWallsInFlow final : public WallMover<Dim> {
 
   double longest_step(double t, double distance) const override {
     double longest = std::numeric_limits<double>::infinity();
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      const auto& motion = groups_[g].motion;
-      const double speed = speed_of(g, motion.pose_at(t), motion.velocity_at(t));
-      longest = std::min({longest, distance / speed, motion.period() / 20});
+    for (const PrescribedMotion<Dim>& group : groups_) {
+      longest = std::min(longest, group.longest_step(t, distance));
     }
     for (const BodyInFlow<Dim>& body : bodies_) {
       longest = std::min(longest, distance / body.max_speed());
@@ -250,10 +223,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     return longest;
   }
   double max_speed() const override {
-    double fastest = 0;
-    for (std::size_t g = 0; g < groups_.size(); ++g) {
-      fastest = std::max(fastest, speed_of(g, now_.steps[g].before, now_.steps[g].velocity));
-    }
+    double fastest = speed_of_given();
     // Of a body not more than it can be expected to have: it may be the one that goes wrong.
     for (const BodyInFlow<Dim>& body : bodies_) {
       fastest = std::max(fastest, std::min(body.max_speed(), expected_speed()));
@@ -324,6 +294,14 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
     return change;
   }
+  // Of the walls with a given motion, in the step [m/s].
+  double speed_of_given() const {
+    double fastest = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      fastest = std::max(fastest, groups_[g].max_speed(now_.steps[g]));
+    }
+    return fastest;
+  }
   // After a fall through the extent of all walls [m/s].
   double speed_of_fall(std::size_t b, const Vec& acceleration) const {
     const double by_user =
@@ -349,38 +327,6 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   }
   Vec velocity_at(std::uint32_t group, const Vec& x) const {
     return group > 0 ? velocity(group).at(x) : Vec(Vec::Zero());
-  }
-  // Of the box around the particles that have faces of a body near them, within that of the faces.
-  WettedBounds<Dim> wetted_bounds(const FlowOfStep<Dim>& flow, std::size_t body) const {
-    const FacesNearParticles<Dim>& near = flow.near;
-    const std::uint32_t group = group_of_body(body);
-    constexpr double none = std::numeric_limits<double>::infinity();
-    WettedBounds<Dim> wetted{
-        .size = {}, .centre = bodies_[body].state().position, .density = flow.density};
-    for (int k = 0; k < Dim; ++k) {
-      const auto at = [&](Index i, double sign) {
-        if (!near.has_faces(i)) return -none;
-        for (const std::uint32_t face : near[i].faces()) {
-          if (near[i][face].group == group) return sign * near.position(i)[k];
-        }
-        return -none;
-      };
-      double lower = none, upper = -none;
-      for (const auto& element : near.faces().elements()) {
-        if (element.group != group) continue;
-        for (const auto& corner : element.face.corners) {
-          lower = std::min(lower, corner[k]);
-          upper = std::max(upper, corner[k]);
-        }
-      }
-      const auto [highest, minus_lowest] = flow.maximum(
-          std::array{largest(near.size(), -none, [&](Index i) { return at(i, 1); }),
-                     largest(near.size(), -none, [&](Index i) { return at(i, -1); })});
-      const double low = std::max(lower, -minus_lowest), high = std::min(upper, highest);
-      wetted.size[k] = std::max(0.0, high - low);
-      if (high > low) wetted.centre[k] = (low + high) / 2;
-    }
-    return wetted;
   }
   template <class F>
   static void for_each_number_of(StepOfFaces<Dim>& step, F&& f) {
@@ -409,66 +355,13 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   auto names() const {
     return [this](std::uint32_t group) { return name_of(group); };
   }
-  // Of its bounds where it is defined.
-  Vec corner_of(std::size_t g, unsigned corner) const {
-    Vec X;
-    for (int k = 0; k < Dim; ++k) {
-      X[k] = (corner >> k & 1u) ? bounds_[g].upper[k] : bounds_[g].lower[k];
-    }
-    return X;
-  }
-  // The largest of the corners of its bounds, and so of all of its points [m/s].
-  double speed_of(std::size_t g, const Pose<Dim>& pose, const RigidVelocity<Dim>& velocity) const {
-    double fastest = 0;
-    for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
-      fastest = std::max(fastest, velocity.at(pose.x_of(corner_of(g, corner))).norm());
-    }
-    return fastest;
-  }
-  StepOfFaces<Dim> step_of(std::size_t g, double t, double time_step, double spacing) const {
-    StepOfFaces<Dim> step;
-    const auto& motion = groups_[g].motion;
-    step.before = motion.pose_at(t);
-    step.move = motion.move_in(t, time_step);
-    if (!step.before.shift.allFinite() || !step.move.shift.allFinite() ||
-        !step.before.rotation.allFinite() || !step.move.rotation.allFinite()) {
-      fail({"MovingWalls: moving wall ", g, " has no finite position at ", t, " s or ", t + time_step,
-            " s; correct its motion"});
-    }
-    const double not_orthogonal = (step.before.rotation.transpose() * step.before.rotation -
-                                   Eigen::Matrix<double, Dim, Dim>::Identity())
-                                      .norm();
-    if (not_orthogonal > 1e-9 || step.before.rotation.determinant() < 0) {
-      fail({"MovingWalls: moving wall ", g, ": the rotation of its pose at ", t,
-            " s is no rotation matrix; give an orthogonal one of determinant 1"});
-    }
-    if (time_step > motion.period() / 10) {
-      fail({"MovingWalls: moving wall ", g, ": a time step of ", time_step,
-            " s is more than a tenth of the period of its motion, ", motion.period(),
-            " s; reduce the time step, or the frequency"});
-    }
-    for (unsigned corner = 0; corner < 1u << Dim; ++corner) {
-      const Vec from = step.before.x_of(corner_of(g, corner));
-      const double distance = (step.move.x_of(from) - from).norm();
-      if (!(distance > spacing)) continue;
-      fail({"MovingWalls: moving wall ", g, " moves by ", distance, " m in a step of ", time_step,
-            " s at ", t, " s, more than the spacing = ", spacing,
-            " m; let it move continuously, or reduce the time step"});
-    }
-    step.velocity.about = step.before.x_of((bounds_[g].lower + bounds_[g].upper) / 2);
-    step.velocity.linear = (step.move.x_of(step.velocity.about) - step.velocity.about) / time_step;
-    step.velocity.spin = turn_of(step.move.rotation) / time_step;
-    return step;
-  }
-
-  std::vector<MovingFaces<Dim>> groups_;
+  std::vector<PrescribedMotion<Dim>> groups_;
   std::vector<BodyInFlow<Dim>> bodies_;  // their groups follow those
   std::vector<bool> is_solid_;           // of each body: whether it is given by a density
   BodyContacts<Dim> contacts_;
   BodyCoupling<Dim> coupling_;
   bool holds_bodies_ = false;         // their velocities in the step are found
   std::vector<BodyLoad<Dim>> loads_;  // of the fluid in the step
-  std::vector<typename Faces<Dim>::Bounds> bounds_;  // of a group where it is defined [m]
   double time_step_ = 1;
   struct State {
     bool is_first = true;
