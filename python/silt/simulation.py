@@ -13,6 +13,7 @@ from . import _silt, arguments
 from .column import Column
 from .error import Error
 from .moving import BodyState, FloatingBody, MovingFaces
+from .openings import OPENINGS, OpeningState
 from .setup import LAWS, WALLS, Box
 
 
@@ -226,6 +227,12 @@ class Simulation:
         force, torque = self._core.body_load(arguments.count("Simulation: body", body))
         return np.array(force), np.array(torque)
 
+    @property
+    def openings(self) -> tuple[OpeningState, ...]:
+        """Of a flow: what has passed the openings, in the order in which they were given."""
+        return tuple(OpeningState(added=added, removed=removed, volume=volume)
+                     for added, removed, volume in self._core.openings())
+
     def front(self) -> tuple[float, float]:
         """Of a flow: the largest x of the fluid along the floor, and its height at the wall at x = 0 [m], both
         without spray."""
@@ -299,14 +306,16 @@ class VtkWalls:
         return self._frames.frames
 
 
-def _several(name: str, given, kind: type) -> list:
-    """A list of objects of a class, from several or one."""
+def _several(name: str, given, kind: type | tuple[type, ...]) -> list:
+    """A list of objects of a class, or of some, from several or one."""
     if isinstance(given, kind):
         return [given]
     objects = list(given) if isinstance(given, Iterable) else [given]
     for place, each in enumerate(objects):
         if not isinstance(each, kind):
-            raise Error(f"{name}: {each!r}, at place {place}, is none; give a {kind.__name__}")
+            kinds = kind if isinstance(kind, tuple) else (kind,)
+            names = " or ".join(each.__name__ for each in kinds)
+            raise Error(f"{name}: {each!r}, at place {place}, is none; give {names}")
     return objects
 
 
@@ -379,6 +388,7 @@ def flow_simulation(
     walls=None,
     moving: Sequence[MovingFaces] = (),
     bodies: Sequence[FloatingBody] = (),
+    openings: Sequence = (),
     velocity=0.0,
     density: float = 1000.0,
     viscosity: float = 1e-6,
@@ -398,6 +408,8 @@ def flow_simulation(
     walls          further faces at rest, shape (n, 2, 2) or (n, 3, 3) [m], see faces_of_box()
     moving         walls that move, in the tank: several MovingFaces
     bodies         that float: several FloatingBody. Leave out the fluid inside of them, see remove_inside()
+    openings       in the tank, away from its sides, where water enters and leaves: several Inflow, Extraction, Outflow,
+                   PressureOpening
     velocity       shape (n, 2) or (n, 3), or one vector or number for all [m/s]
     density        [kg/m³]
     viscosity      kinematic [m²/s]
@@ -428,6 +440,7 @@ def flow_simulation(
         arguments.number(name + "viscosity", viscosity),
         arguments.number(name + "speed_scale", speed_scale),
         None if gravity is None else np.array(arguments.vector(name + "gravity", gravity)),
+        _several(name + "openings", openings, OPENINGS),
     ))
 
 

@@ -72,6 +72,12 @@ Load load_of(const ForceAndTorque& load) {
   return result;
 }
 
+/// What has passed an opening of a flow so far.
+struct PassedOpening {
+  std::uint64_t added = 0, removed = 0;  ///< particles
+  double volume = 0;                     ///< of those added less those removed [m³], in 2D [m²]
+};
+
 /// What a run calls, without the lock of the interpreter.
 class Hooks {
  public:
@@ -130,6 +136,10 @@ class AnySimulation {
   }
   /// Its torque is about the centre of mass.
   virtual Load body_load(Index body) const { return no_flow("body_load", body), Load{}; }
+  virtual Index opening_count() const { return no_flow("openings"), 0; }
+  virtual PassedOpening passed_opening(Index opening) const {
+    return no_flow("openings", opening), PassedOpening{};
+  }
   virtual void write_walls(VtkWalls& frames) const { no_flow("VtkWalls", frames); }
   virtual Front front() const { return no_flow("front"), Front{}; }
   virtual double wall_pressure(const std::vector<double>& point,

@@ -7,6 +7,7 @@
 #include <silt/geometry/face.hpp>
 #include <silt/mps/wall/wall_motions.hpp>
 
+#include "any_openings.hpp"
 #include "any_simulation.hpp"
 
 #include <memory>
@@ -23,7 +24,8 @@ struct FlowSetup {
   bool lid = false;
   std::vector<Face<Dim>> walls;     ///< further ones at rest
   mps::AnyMovingWalls<Dim> moving;  ///< and those that move, with the bodies
-  Index moving_count = 0;           ///< of them that are no bodies
+  Index moving_count = 0;           ///< of them that are neither pistons of openings nor bodies
+  std::shared_ptr<AnyOpenings<Dim>> openings;  ///< null: none; their pistons are among those
   OnEscape on_escape = OnEscape::refuse;
   double spacing = 0;                                  ///< [m]
   double density = 0;                                  ///< [kg/m³]

@@ -16,6 +16,7 @@
 #include <silt/mps.hpp>
 #include <silt/search/uniform_grid.hpp>
 
+#include "any_openings.hpp"
 #include "any_simulation.hpp"
 #include "body_state.hpp"
 #include "empty_tank.hpp"
@@ -67,13 +68,15 @@ mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
 template <int Dim>
 auto simulation_of(const FlowSetup<Dim>& setup) {
   const auto tank = tank_of(setup);
-  const mps::Flow<mps::Recommended, Dim> water{{.spacing = setup.spacing,
-                                                .density = setup.density,
-                                                .viscosity = setup.viscosity,
-                                                .gravity = setup.gravity,
-                                                .speed_scale = setup.speed_scale,
-                                                .walls = tank.walls}};
-  return Simulation{tank.particles, UniformGrid<Dim>{}, water, SemiImplicit<>{}};
+  mps::FlowSettings<Dim, mps::Recommended> settings{.spacing = setup.spacing,
+                                                    .density = setup.density,
+                                                    .viscosity = setup.viscosity,
+                                                    .gravity = setup.gravity,
+                                                    .speed_scale = setup.speed_scale,
+                                                    .walls = tank.walls};
+  if (setup.openings) settings.surface_pressure = setup.openings->surface_pressure();
+  return Simulation{tank.particles, UniformGrid<Dim>{}, mps::Flow<mps::Recommended, Dim>{settings},
+                    SemiImplicit<>{}};
 }
 
 template <int Dim>
@@ -90,6 +93,7 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
         spacing_(setup.spacing),
         has_lid_(setup.lid),
         moving_count_(setup.moving_count),
+        openings_(setup.openings),
         room_(room_of(setup, simulation_.particles().box())),
         account_({.mass = setup.density * std::pow(setup.spacing, Dim), .gravity = setup.gravity}) {
   }
@@ -101,12 +105,20 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
 
   // As of a C++ program, with which files can be exchanged.
   void write_checkpoint(const std::filesystem::path& path) const override {
-    silt::write_checkpoint(path, simulation_);
+    if (openings_) {
+      silt::write_checkpoint(path, simulation_, OpeningsInFile{openings_->numbers()});
+    } else {
+      silt::write_checkpoint(path, simulation_);
+    }
   }
   void read_checkpoint(const CheckpointToRead& from) override {
-    this->read(from, [&](const Box<Dim>& box) {
+    const auto compare = [&](const Box<Dim>& box) {
       require_same(from.file, "on_escape", box.on_escape, simulation_.particles().box().on_escape);
-    });
+    };
+    if (!openings_) return this->read(from, compare);
+    OpeningsInFile state{openings_->numbers()};
+    this->read(from, compare, state);
+    openings_->set_numbers(state.numbers);
   }
 
   // The search is that of the beginning of the last step, and particles may have been removed
@@ -141,13 +153,24 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   Load body_load(Index body) const override {
     check_body(body);
     // Where the load was found.
-    const auto group = static_cast<std::uint32_t>(1 + moving_count_ + body);
-    const Pose<Dim>& before = walls().faces().step_of(group).before;
+    const auto& faces = walls().faces();
+    const auto group = static_cast<std::uint32_t>(1 + faces.groups() - body_count() + body);
+    const Pose<Dim>& before = faces.step_of(group).before;
     return load_on(WallGroup::body(body), before.x_of(centre_of_body<Dim>(walls().bodies(), body)));
   }
   void write_walls(VtkWalls& frames) const override { frames(simulation_); }
+  Index opening_count() const override { return openings_ ? openings_->size() : 0; }
+  PassedOpening passed_opening(Index opening) const override { return openings_->passed(opening); }
 
  private:
+  void before_step() override {
+    if (!openings_) return;
+    const auto& settings = simulation_.interaction().settings();
+    openings_->before_step(simulation_.particles(), {.time = simulation_.time(),
+                                                     .spacing = settings.spacing,
+                                                     .density = settings.density,
+                                                     .gravity = settings.gravity});
+  }
   const auto& walls() const { return simulation_.interaction().walls(); }
   void check_body(Index body) const {
     if (body < body_count()) return;
@@ -173,6 +196,7 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   double spacing_;
   bool has_lid_;
   Index moving_count_;  // of the walls
+  std::shared_ptr<AnyOpenings<Dim>> openings_;
   Box<Dim> room_;  // that the fluid may fill
   mps::EnergyAccount<Dim, double> account_;
 };

@@ -35,8 +35,10 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
     {"run({.time_step = …})", "run(until, time_step=…)"},
     {"{.file = …, .accepts_other_setup = true}", "accepts_other_setup=True"},
     {"set up the same simulation and pass the same parts as", "set up the same simulation as"},
-    {"another FlowSettings::walls", "another tank, lid, wall, motion or body"},
+    {"another FlowSettings::walls", "another tank, lid, wall, motion, opening or body"},
     {"another FlowSettings::", "another "},
+    {"VelocityOpening: ", "Inflow or Extraction: "},
+    {"HydrostaticPressure: ", "PressureOpening: "},
     {"ContactSettings::max_overlap", "max_overlap of grain_simulation()"},
     {"lower the time step, use a stiffer material, or raise ContactSettings::max_displacement",
      "lower the time step, or use a stiffer material"},
@@ -166,6 +168,16 @@ PYBIND11_MODULE(_silt, module) {
              const Load load = core.use("body_load").body_load(body);
              return std::pair{load.force, load.torque};
            })
+      .def("openings",
+           [](Core& core) {
+             const AnySimulation& simulation = core.use("openings");
+             py::list all;
+             for (Index k = 0; k < simulation.opening_count(); ++k) {
+               const PassedOpening passed = simulation.passed_opening(k);
+               all.append(py::make_tuple(passed.added, passed.removed, passed.volume));
+             }
+             return all;
+           })
       .def("write_walls",
            [](Core& core, VtkWalls& frames) { core.use("write_walls").write_walls(frames); })
       .def("front",
@@ -186,22 +198,23 @@ PYBIND11_MODULE(_silt, module) {
                                gravity, damping, box, steps_per_contact, max_overlap};
     return std::make_shared<Core>(x.shape(1) == 2 ? grains<2>(given) : grains<3>(given));
   });
-  module.def("flow",
-             [](const Doubles& x, const Doubles& u, const std::vector<double>& tank, bool lid,
-                const Doubles& walls, const py::list& moving, const py::list& bodies,
-                bool removes_escaped, double spacing, double density, double viscosity,
-                double speed_scale, const std::optional<Doubles>& gravity) {
-               const FlowArguments given{x,
-                                         u,
-                                         {tank, lid, walls, moving, bodies},
-                                         removes_escaped,
-                                         spacing,
-                                         density,
-                                         viscosity,
-                                         speed_scale,
-                                         gravity};
-               return std::make_shared<Core>(x.shape(1) == 2 ? flow<2>(given) : flow<3>(given));
-             });
+  module.def("flow", [](const Doubles& x, const Doubles& u, const std::vector<double>& tank,
+                        bool lid, const Doubles& walls, const py::list& moving,
+                        const py::list& bodies, bool removes_escaped, double spacing,
+                        double density, double viscosity, double speed_scale,
+                        const std::optional<Doubles>& gravity, const py::list& openings) {
+    const FlowArguments given{x,
+                              u,
+                              {tank, lid, walls, moving, bodies},
+                              removes_escaped,
+                              spacing,
+                              density,
+                              viscosity,
+                              speed_scale,
+                              gravity,
+                              openings};
+    return std::make_shared<Core>(x.shape(1) == 2 ? flow<2>(given) : flow<3>(given));
+  });
   module.def("fill", [](const std::vector<double>& inside, double level, double spacing,
                         const std::vector<double>& tank, bool lid, const Doubles& walls,
                         const py::list& moving, const py::list& bodies) {

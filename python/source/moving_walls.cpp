@@ -190,8 +190,8 @@ mps::FloatingBody<Dim> body_from(const py::handle& object) {
 }  // namespace
 
 template <int Dim>
-mps::AnyMovingWalls<Dim> moving_walls_of(const py::list& moving, const py::list& bodies) {
-  if (moving.empty() && bodies.empty()) return {};
+mps::AnyMovingWalls<Dim> moving_walls_of(const py::list& moving, const AnyOpenings<Dim>* openings,
+                                         const py::list& bodies) {
   mps::MovingWalls<Dim> walls;
   for (const auto object : moving) {
     mps::MovingFaces<Dim> group;
@@ -199,7 +199,13 @@ mps::AnyMovingWalls<Dim> moving_walls_of(const py::list& moving, const py::list&
     group.motion = motion_of<Dim>(object.attr("motion"));
     walls.faces.push_back(std::move(group));
   }
+  if (openings != nullptr) {
+    for (mps::MovingFaces<Dim>& piston : openings->pistons()) {
+      walls.faces.push_back(std::move(piston));
+    }
+  }
   for (const auto object : bodies) walls.bodies.push_back(body_from<Dim>(object));
+  if (walls.faces.empty() && walls.bodies.empty()) return {};
   return walls;
 }
 
@@ -246,8 +252,10 @@ py::array faces_of_box(const std::vector<double>& lower, const std::vector<doubl
   return array;
 }
 
-template mps::AnyMovingWalls<2> moving_walls_of(const py::list&, const py::list&);
-template mps::AnyMovingWalls<3> moving_walls_of(const py::list&, const py::list&);
+template mps::AnyMovingWalls<2> moving_walls_of(const py::list&, const AnyOpenings<2>*,
+                                                const py::list&);
+template mps::AnyMovingWalls<3> moving_walls_of(const py::list&, const AnyOpenings<3>*,
+                                                const py::list&);
 template std::vector<double> state_of_body(const std::vector<mps::BodyInFlow<2>>&, Index);
 template std::vector<double> state_of_body(const std::vector<mps::BodyInFlow<3>>&, Index);
 template Vec<2> centre_of_body(const std::vector<mps::BodyInFlow<2>>&, Index);

@@ -6,6 +6,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/wall/wall_motions.hpp>
 
+#include "any_openings.hpp"
 #include "arrays.hpp"
 #include <pybind11/pybind11.h>
 
@@ -15,9 +16,11 @@ namespace silt::python {
 
 namespace py = pybind11;
 
-/// Of MovingFaces and FloatingBodies; empty if there are none.
+/// Of MovingFaces, pistons of openings, unless these are null, and FloatingBodies; empty if there
+/// are none.
 template <int Dim>
-mps::AnyMovingWalls<Dim> moving_walls_of(const py::list& moving, const py::list& bodies);
+mps::AnyMovingWalls<Dim> moving_walls_of(const py::list& moving, const AnyOpenings<Dim>* openings,
+                                         const py::list& bodies);
 
 /// Those of the positions, an array of shape (n, Dim) [m], at which mps::remove_inside() leaves
 /// fluid of this spacing [m].

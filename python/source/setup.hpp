@@ -13,6 +13,7 @@
 #include "interpreter_lock.hpp"
 #include "moving_walls.hpp"
 #include "objects.hpp"
+#include "openings.hpp"
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
@@ -163,14 +164,16 @@ struct WallArguments {
   py::list moving, bodies;
 };
 
-/// A flow with these walls, which are arguments of a function of the package.
+/// A flow with these walls, which are arguments of a function of the package, and these openings.
 template <int Dim>
-FlowSetup<Dim> flow_between(const std::string& function, const WallArguments& given) {
+FlowSetup<Dim> flow_between(const std::string& function, const WallArguments& given,
+                            const std::shared_ptr<AnyOpenings<Dim>>& openings = nullptr) {
   FlowSetup<Dim> setup;
+  setup.openings = openings;
   setup.tank = given.tank;
   setup.lid = given.lid;
   setup.walls = faces_from<Dim>(function + ": walls", given.faces);
-  setup.moving = moving_walls_of<Dim>(given.moving, given.bodies);
+  setup.moving = moving_walls_of<Dim>(given.moving, openings.get(), given.bodies);
   setup.moving_count = given.moving.size();
   return setup;
 }
@@ -182,11 +185,13 @@ struct FlowArguments {
   bool removes_escaped;
   double spacing, density, viscosity, speed_scale;
   std::optional<Doubles> gravity;
+  py::list openings;
 };
 
 template <int Dim>
 std::unique_ptr<AnySimulation> flow(const FlowArguments& given) {
-  FlowSetup<Dim> setup = flow_between<Dim>("flow_simulation", given.walls);
+  FlowSetup<Dim> setup = flow_between<Dim>("flow_simulation", given.walls,
+                                           openings_of<Dim>(given.openings, given.spacing));
   setup.positions = rows_of(given.position);
   setup.velocities = rows_of(given.velocity);
   setup.on_escape = given.removes_escaped ? OnEscape::remove : OnEscape::refuse;

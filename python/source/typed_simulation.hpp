@@ -53,13 +53,19 @@ ColumnMemory memory_of(const Values& values) {
   return memory;
 }
 
-/// Observer that calls the hooks.
+/// Observer that calls the hooks, and what acts before steps.
+template <class BeforeStep>
 struct CallsHooks {
   Hooks& hooks;
+  BeforeStep act;
 
   template <class Sim>
   void operator()(const Sim&) {
     hooks.make_output();
+  }
+  template <class Sim>
+  void before_step(Sim&) {
+    act();
   }
   bool stop_requested() { return hooks.stop_requested(); }
 };
@@ -115,10 +121,16 @@ class TypedSimulation : public AnySimulation {
   }
 
   double time_step() override { return simulation_.time_step(); }
-  void step() override { simulation_.step(); }
-  void step(double dt) override { simulation_.step(dt); }
+  void step() override {
+    before_step();
+    simulation_.step();
+  }
+  void step(double dt) override {
+    before_step();
+    simulation_.step(dt);
+  }
   bool run(const Run& run, Hooks& hooks) override {
-    CallsHooks observer{hooks};
+    CallsHooks observer{hooks, [this] { before_step(); }};
     return simulation_.run(run, observer);
   }
   void remove(const std::vector<Id>& ids) override {
@@ -136,6 +148,9 @@ class TypedSimulation : public AnySimulation {
   void write_frame(VtkSeries& frames) const override { frames(simulation_); }
 
  protected:
+  /// What a simulation does before each step.
+  virtual void before_step() {}
+
   using Particles = std::remove_cvref_t<decltype(std::declval<Sim&>().particles())>;
 
   /// Reads the simulation and further parts; compare(box), with the box of the file, throws if the

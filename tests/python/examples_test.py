@@ -70,6 +70,13 @@ class Examples(unittest.TestCase):
         self.assertGreater(variables["moved"], 0.1)
         self.assertIn("of water moved by", output)
 
+    def test_water_flows_through_the_channel(self):
+        variables, output, _ = self.run_example("channel")
+        layer = 0.1 * 0.02  # which enters before the next step
+        self.assertAlmostEqual(variables["entered"].volume, 2 * 0.1 * 1.5, delta=1.2 * layer)
+        self.assertLess(variables["left"].volume, -0.1)
+        self.assertIn("have entered", output)
+
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "Matplotlib is not installed")
     def test_notebook_sets_up_runs_and_plots(self):
         os.environ["MPLBACKEND"] = "Agg"

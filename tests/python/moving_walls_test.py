@@ -246,7 +246,7 @@ class Bodies(unittest.TestCase):
             for a, b in zip(vars(one.bodies[0]).values(), vars(other.bodies[0]).values(), strict=True):
                 self.assertTrue(np.array_equal(a, b))
             for different in (make(density=600), make(held=(True, True)), floating_box(), water()):
-                with self.assertRaisesRegex(silt.Error, "another tank, lid, wall, motion or body"):
+                with self.assertRaisesRegex(silt.Error, "another tank, lid, wall, motion, opening or body"):
                     different.read_checkpoint(file)
 
     def test_turn_in_3d(self):

@@ -442,7 +442,7 @@ class Checkpoints(unittest.TestCase):
         of_water = {
             "on_escape = 'refuse', but here it is 'remove'": {"on_escape": "remove"},
             "another gravity": {"gravity": (0, -1)},
-            "another tank, lid, wall, motion or body": {"lid": True},
+            "another tank, lid, wall, motion, opening or body": {"lid": True},
         }
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "state"
