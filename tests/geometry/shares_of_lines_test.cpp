@@ -99,7 +99,7 @@ void expect_sums_of_one(const Faces<Dim>& faces, const std::vector<Mirror<Dim>>&
       is_split = is_split || (one > 0 && one < 1);
       sum += one;
     }
-    EXPECT_EQ(sum, 1) << image.transpose();
+    EXPECT_NEAR(sum, 1, 1e-12) << image.transpose();
     split += is_split;
   }
   EXPECT_GT(split, 10);
@@ -152,6 +152,46 @@ TEST(SharesOfLines, AreTheSameInBothDirections) {
     }
   }
   EXPECT_GT(split, 20);
+}
+
+// No other test proves the derivatives, and that a share is smooth beside an edge.
+template <int Dim>
+void expect_slopes(const Faces<Dim>& faces, const std::vector<Mirror<Dim>>& mirrors) {
+  const double h = 1e-6;
+  int split = 0;
+  const auto points = random_points(4000, cube<Dim>(-1.1, 1.1), 6);
+  for (Index k = 0; k + 1 < points.size(); k += 2) {
+    for (const Mirror<Dim>& mirror : mirrors) {
+      NearbyFaces<Dim> around;
+      around.find(faces, points[k], reach);
+      const auto found = SharesOfLines<Dim>(around).share_of(points[k + 1], mirror);
+      if (found.slope.isZero()) continue;
+      ++split;
+      for (int axis = 0; axis < Dim; ++axis) {
+        const Vec<Dim> step = h * Vec<Dim>::Unit(axis);
+        const auto moved = [&](const Vec<Dim>& of_x, const Vec<Dim>& of_point) {
+          return share(faces, Vec<Dim>(points[k] + of_x), Vec<Dim>(points[k + 1] + of_point),
+                       mirror);
+        };
+        const Vec<Dim> zero = Vec<Dim>::Zero();
+        const double by_x = (moved(step, zero) - moved(-step, zero)) / (2 * h);
+        const double by_point = (moved(zero, step) - moved(zero, -step)) / (2 * h);
+        EXPECT_NEAR(found.slope[axis], by_x, 1e-3);
+        EXPECT_NEAR((mirror.rotation.transpose() * found.slope_of_image)[axis], by_point, 1e-3);
+      }
+    }
+  }
+  EXPECT_GT(split, 20);
+}
+
+TEST(SharesOfLines, HaveTheseSlopes) {
+  const Faces<2> corner("corner", polyline({{-0.5, 0.8}, {0, 0}, {0.9, 0}}));
+  const auto one = mirror_of(corner, 0), other = mirror_of(corner, 1);
+  expect_slopes<2>(corner, {{}, one, other, one.after(other)});
+  const Faces<3> roof("roof", {{{Vec<3>(-2, 0, 0.3), {2, 0, 0.3}, {0, 2, -0.5}}},
+                               {{Vec<3>(-2, 0, 0.3), {2, 0, 0.3}, {0, -2, -0.5}}}});
+  const auto left = mirror_of(roof, 0), right = mirror_of(roof, 1);
+  expect_slopes<3>(roof, {{}, left, right, left.after(right)});
 }
 
 // Past an edge and a corner of a cube.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The share of a point, or of its image in mirrors, that is seen: straight lines to it are followed,
-// and reflected where they meet faces.
+// The share of a point, or of its image in mirrors, that is seen: straight lines to it are
+// followed, and reflected where they meet faces.
 #pragma once
 
 #include <silt/core/types.hpp>
@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 namespace silt {
 
@@ -27,15 +28,23 @@ class SharesOfLines {
   /// For the point x that these faces are around.
   explicit SharesOfLines(const NearbyFaces<Dim>& around) : around_(around) {}
 
+  /// A share and its derivatives by the positions of x and of the image; 0 beside several edges.
+  struct Share {
+    double value;                                           // [-]
+    Vec slope = Vec::Zero(), slope_of_image = Vec::Zero();  // [1/m]
+  };
+
   /// The share [-] of lines around the one from x to the image of the point, shifted in all
   /// directions alike: the shares of all that is seen in this direction sum to 1 also beside edges
-  /// and corners of the surface, exactly where facets are parallel or at right angles, otherwise on
-  /// average over directions. A share changes in small steps when points move. The same from the
-  /// point to the image of x.
+  /// and corners of the surface, exactly beside a single edge and where facets are parallel or at
+  /// right angles, otherwise on average over directions. A share changes smoothly when points move,
+  /// beside several edges in small steps. The same from the point to the image of x.
   double of(const Vec& point, const Mirror<Dim>& mirror) const {
-    const bool is_reversed =
-        std::lexicographical_compare(point.begin(), point.end(), around_.x().begin(),
-                                     around_.x().end());
+    return share_of(point, mirror).value;
+  }
+  Share share_of(const Vec& point, const Mirror<Dim>& mirror) const {
+    const bool is_reversed = std::lexicographical_compare(point.begin(), point.end(),
+                                                          around_.x().begin(), around_.x().end());
     const Vec& from = is_reversed ? point : around_.x();
     const Vec& to = is_reversed ? around_.x() : point;
     const Mirror<Dim> through = is_reversed ? mirror.inverse() : mirror;
@@ -45,15 +54,34 @@ class SharesOfLines {
     const auto leads_there = [&](const Line& line, const Vec& shift) {
       return is_same(line, {back(from), to, multiply<Dim, double>(back.rotation, shift)});
     };
-    const Vec first = shift_of(0);
-    const Line line = line_between({from, image, first}, 0, around_.margin());
-    if (!line.is_close_to_rim) return leads_there(line, first);
+    const Line line = line_between({from, image, shift_of(0)}, 0, around_.margin());
+    if (!line.is_close_to_rim) return {double(leads_there(line, shift_of(0)))};
+    if (line.edge) {
+      // Of the lines beside one edge, all on the same side of it lead to the same.
+      const Edge& edge = *line.edge;
+      const Vec shift = around_.margin() * edge.across;
+      const Line inner = line_between({from, image, shift}, 1, around_.width(), &edge);
+      const Line outer = line_between({from, image, Vec(-shift)}, 1, around_.width(), &edge);
+      if (!inner.is_close_to_rim && !outer.is_close_to_rim) {
+        const double at = edge.inside / around_.margin();  // from −1 to 1
+        const double part = 0.5 + at * (3 - at * at) / 4;
+        const double inner_value = leads_there(inner, shift);
+        const double outer_value = leads_there(outer, -shift);
+        const Vec slope =
+            0.75 * (1 - at * at) / around_.margin() * (inner_value - outer_value) * edge.across;
+        const Vec first = (1 - edge.along_line) * slope, second = edge.along_line * slope;
+        Share share{part * inner_value + (1 - part) * outer_value};
+        share.slope = is_reversed ? multiply<Dim, double>(back.rotation, second) : first;
+        share.slope_of_image = is_reversed ? multiply<Dim, double>(mirror.rotation, first) : second;
+        return share;
+      }
+    }
     int seen = 0;
     for (int k = 0; k < 8; ++k) {
       const Vec shift = shift_of(k);
       seen += leads_there(line_between({from, image, shift}, 1, 0), shift);
     }
-    return seen / 8.0;
+    return {seen / 8.0};
   }
 
  private:
@@ -68,26 +96,52 @@ class SharesOfLines {
     return around_.width() / (1 + (k >> Dim)) * shift;
   }
 
+  // An edge on the rim of a facet, and a line that passes it.
+  struct Edge {
+    const Element* element = nullptr;
+    std::size_t number = 0;
+    double inside = 0;      // distance of the line from it, positive on the side of the face [m]
+    double along_line = 0;  // where the line is closest to it, over its length [-]
+    // Unit vector from the edge to this side, at right angles to both [-].
+    Vec across = Vec::Zero();
+  };
   // A line that is reflected where it meets faces: its last part, extended back to its length.
   struct Line {
     Vec begin;
     Vec end;
     Vec shift;  // of the line where it passes faces; its ends stay before them
     bool is_close_to_rim = false;
+    std::optional<Edge> edge = {};  // that is close, as it is before the reflections
   };
+  static bool are_on_one_line(const Edge& edge, const Element& other, std::size_t k,
+                              double round_off) {
+    const Vec& a = edge.element->face.corners[edge.number];
+    const Vec& first = other.face.corners[k];
+    if constexpr (Dim == 2) {
+      return (first - a).norm() < round_off;
+    } else {
+      const Vec along = edge.element->face.corners[(edge.number + 1) % 3] - a;
+      const Vec& second = other.face.corners[(k + 1) % 3];
+      const double least = round_off * along.norm();
+      return cross(Vec(first - a), along).norm() < least &&
+             cross(Vec(second - a), along).norm() < least;
+    }
+  }
   bool is_same(const Line& one, const Line& other) const {
     return (one.end - other.end).norm() < around_.round_off() &&
            (one.begin - other.begin).norm() < around_.round_off() &&
            (one.shift - other.shift).norm() < around_.round_off();
   }
   // The line as it is after its reflections, shifted by `share` of its shift. It ends where it is
-  // closer to the rim of a facet than this margin [m].
-  Line line_between(Line line, double share, double margin) const {
+  // closer to the rim of a facet than this margin [m], but for the line of an edge that is known.
+  Line line_between(Line line, double share, double margin, const Edge* known = nullptr) const {
     constexpr int max_reflections = 64;
+    std::array<const Vec*, std::size_t(max_reflections)> normals;
     double along = -1;  // of its length
-    const double close = margin / (line.end - line.begin).norm();
+    // Beside a known edge, the line is that far from it that the order of its facets is clear.
+    const double close = known ? 0 : margin / (line.end - line.begin).norm();
     const NearFacet* last = nullptr;
-    for (int k = 0; k < max_reflections; ++k) {
+    for (std::size_t k = 0; k < normals.size(); ++k) {
       const NearFacet* first = nullptr;
       double nearest = 2;
       const Vec shift = share * line.shift;
@@ -97,12 +151,16 @@ class SharesOfLines {
         if ((before > 0) == (behind > 0)) continue;
         const double at = (before + facet.normal.dot(shift)) / (before - behind);
         if (!(at > along - close) || !(at < nearest + close)) continue;
-        const Passage passage =
-            passage_of_facet(facet, line.begin + shift, line.end + shift, at, margin);
+        const Passage passage = passage_of_facet(facet, line.begin + shift, line.end + shift, at,
+                                                 margin, known, line.edge);
         if (passage == Passage::beside) continue;
         const bool is_at_other = std::abs(at - along) < close || std::abs(at - nearest) < close;
         if (passage == Passage::at_rim || is_at_other) {
           line.is_close_to_rim = true;
+          if (!line.edge) return line;
+          for (std::size_t m = k; m-- > 0;) {
+            line.edge->across -= (2 * normals[m]->dot(line.edge->across)) * *normals[m];
+          }
           return line;
         }
         nearest = at;
@@ -112,15 +170,16 @@ class SharesOfLines {
       line.begin -= (2 * first->height(line.begin)) * first->normal;
       line.end -= (2 * first->height(line.end)) * first->normal;
       line.shift -= (2 * first->normal.dot(line.shift)) * first->normal;
+      normals[k] = &first->normal;
       along = nearest;
       last = first;
     }
     return line;
   }
-  // How a line passes the faces of a facet near x, whose plane it meets at this share of its length;
-  // at_rim: closer to an edge on the rim than a margin [m].
+  // How a line passes the faces of a facet near x, whose plane it meets at this share of its
+  // length; at_rim: closer to an edge on the rim, which is not the known one, than a margin [m].
   Passage passage_of_facet(const NearFacet& facet, const Vec& from, const Vec& to, double at,
-                           double margin) const {
+                           double margin, const Edge* known, std::optional<Edge>& close) const {
     const Vec line = to - from;
     const Vec x = from + at * line;
     const double descent = facet.normal.dot(line);
@@ -136,15 +195,28 @@ class SharesOfLines {
         continue;
       }
       bool is_inside = true, is_near = true, is_at_rim = false;
+      Edge edge;
       for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
         if (inside[k] >= furthest_outside) continue;
-        // As far in the plane as the line is from the edge.
-        const double in_plane = margin * std::hypot(1.0, element.inwards[k].dot(line) / descent);
-        is_near = is_near && inside[k] > -in_plane;
-        is_at_rim = is_at_rim || (element.is_rim[k] && inside[k] < in_plane);
+        // Distances in the plane are this many times those of the line from the edge.
+        const double ascent = element.inwards[k].dot(line);
+        const double in_plane = std::hypot(1.0, ascent / descent);
+        is_near = is_near && inside[k] > -margin * in_plane;
         is_inside = is_inside && inside[k] >= -around_.round_off();
+        if (!element.is_rim[k] || !(inside[k] < margin * in_plane)) continue;
+        if (known && are_on_one_line(*known, element, k, 10 * around_.round_off())) continue;
+        const Vec across = descent * element.inwards[k] - ascent * facet.normal;
+        // A line that is almost parallel to the facet may come close to the edge beyond its ends.
+        const double along_line = at - inside[k] * ascent / across.squaredNorm();
+        if (!(along_line > 0 && along_line < 1)) continue;
+        is_at_rim = true;
+        edge = {&element, k, inside[k] / in_plane, along_line,
+                (descent > 0 ? 1 : -1) / across.norm() * across};
       }
-      if (is_near && is_at_rim) return Passage::at_rim;
+      if (is_near && is_at_rim) {
+        close = edge;
+        return Passage::at_rim;
+      }
       is_through = is_through || is_inside;
     }
     return is_through ? Passage::through : Passage::beside;

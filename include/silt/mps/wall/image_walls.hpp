@@ -248,6 +248,8 @@ class ImageWalls::InFlow {
   }
   /// Whether this is 1 for all neighbours.
   bool sees_all(Index i) const { return near_.sees_all(i); }
+  /// The faces around each particle.
+  const FacesNearParticles<Dim>& near() const { return near_; }
 
   /// f(normal, height) or f(normal, height, velocity), see NeighbourView::for_each_wall().
   template <class F>
