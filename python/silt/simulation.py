@@ -481,7 +481,7 @@ def fill(
 ) -> Filling:
     """Water at rest between walls of any shape: all of the room that is connected with a point, up to a level. Where
     the room consists of cells of a lattice, the particles are its points; elsewhere they are moved until the scheme
-    leaves them at rest, which takes 1 to 4 ms per particle on one thread.
+    leaves them at rest, which takes about 1 ms per particle on one thread.
 
     inside     a point in the water, 2 or 3 numbers [m]
     level      of its surface, along the last axis [m]; above a lid, the room below the lid is full

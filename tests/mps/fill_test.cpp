@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,24 @@ TEST(Fill, LeavesWaterAtRestInAV) {
   EXPECT_LT(fastest, 2e-3 * scale);
 }
 
+// No other test proves that no particle begins inside of an obstacle, at its corners.
+TEST(Fill, BeginsOutsideOfObstacles) {
+  int beside_corners = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vec<2> lower(0.157 - 0.0031 * k, 0.191 - 0.00235 * k), upper = lower + Vec<2>(0.11, 0.13);
+    auto walls = polyline({{0, 0.4}, {0, 0}, {0.41, 0}, {0.41, 0.4}});
+    for (const auto& face : faces_of(Box<2>{lower, upper})) walls.push_back(face);
+    const Faces<2> faces("walls", walls);
+    const mps::detail::PoolRoom<2> room(faces,
+                                        {.inside = {0.38, 0.03}, .level = 0.35, .spacing = l0});
+    for (const Vec<2>& x : mps::detail::cells_of(room).points) {
+      EXPECT_TRUE(room.is_wet(x)) << k << ": " << x.transpose();
+      beside_corners += (x - lower).norm() < l0 / 2;
+    }
+  }
+  EXPECT_GT(beside_corners, 10);
+}
+
 // No other test proves that a wrong pool is refused with what is wrong.
 TEST(Fill, RefusesWhatIsNoPool) {
   mps::Fluid<2> water;
@@ -115,6 +134,15 @@ TEST(Fill, RefusesWhatIsNoPool) {
   mps::ImageWalls on_wall = tank;
   on_wall.segments.push_back({{Vec<2>(0.1, 0), Vec<2>(0.1, 0.3)}});
   EXPECT_TRUE(refused(on_wall, pool, "is on a wall"));
+  EXPECT_TRUE(refused(tank, with([](auto& p) { p.inside[1] = 0; }), "is on a wall"));
+  std::vector<Vec<2>> round;
+  for (int k = 0; k <= 200; ++k) {
+    const double angle = 2 * std::numbers::pi * (k % 200) / 200;
+    round.push_back({0.1 + 0.1 * std::cos(angle), 0.1 + 0.1 * std::sin(angle)});
+  }
+  const mps::ImageWalls of_many_faces{.segments = polyline(round)};
+  EXPECT_TRUE(refused(of_many_faces, {.inside = {0.1, 0.05}, .level = 0.19, .spacing = 0.02},
+                      "find no places where they rest"));
   EXPECT_TRUE(water.empty());
   mps::fill(water, tank, pool);
   EXPECT_TRUE(refused(tank, pool, "there is a particle already"));

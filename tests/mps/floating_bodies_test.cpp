@@ -297,6 +297,25 @@ TEST(FloatingBodies, AreCopiedWithTheSimulation) {
   EXPECT_EQ(state_of(one.particles()), state_of(alone.particles()));
 }
 
+// No other test proves that an impact does not depend on bodies that it does not concern.
+TEST(FloatingBodies, DoNotDependOnBodiesElsewhere) {
+  const auto velocity_after_impact = [](double density_of_other) {
+    mps::FloatingBody<2> light{.faces = faces_of_box(Vec<2>(0.15, 0.16), Vec<2>(0.05, 0.04)),
+                               .density = 50,
+                               .velocity = {0, -1.5}};
+    mps::FloatingBody<2> other{.faces = faces_of_box(Vec<2>(0.4, 0.45), Vec<2>(0.08, 0.08)),
+                               .density = density_of_other,
+                               .is_held = {true, true},
+                               .keeps_orientation = true};
+    auto sim = Scene<2>{.size = {0.6, 0.6}, .depth = 0.1, .bodies = {light, other}}.simulation();
+    sim.run({.until = 0.05});
+    const BodyState<2> state = sim.interaction().walls().bodies()[0].state();
+    EXPECT_GT(state.velocity[1], -1);
+    return state.velocity;
+  };
+  EXPECT_EQ(velocity_after_impact(200), velocity_after_impact(8000));
+}
+
 TEST(FloatingBodies, RefuseWhatIsNoBody) {
   const auto flow = [](const mps::FloatingBody<2>& body) {
     mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
@@ -319,7 +338,18 @@ TEST(FloatingBodies, RefuseWhatIsNoBody) {
       [&] {
         flow({.faces = box, .mass_properties = MassProperties<2>{.mass = 1, .centre = {0.2, 0.2}}});
       },
-      {"body 0: mass_properties: the moment of inertia must be above 0"}));
+      {"body 0: mass_properties: inertia = 0 kg m²", "above 0"}));
+  EXPECT_TRUE(refuses(
+      [&] {
+        flow({.faces = box,
+              .mass_properties = MassProperties<2>{.mass = 1, .centre = {40, 0.2}, .inertia = 1}});
+      },
+      {"body 0: the centre of mass (40, 0.2) m", "of a body of"}));
+  const auto eight = polyline({{0.1, 0.1}, {0.2, 0.2}, {0.2, 0.1}, {0.1, 0.21}, {0.1, 0.1}});
+  EXPECT_TRUE(refuses([&] { flow({.faces = eight, .density = 500}); },
+                      {"body 0: the moment of inertia", "-", "cross each other"}));
+  EXPECT_TRUE(refuses([&] { flow({.faces = box, .density = 9}); },
+                      {"body 0 has a mass of", "less than 0.01", "give it a larger density"}));
   EXPECT_TRUE(refuses(
       [&] {
         flow({.faces = box,
@@ -328,7 +358,9 @@ TEST(FloatingBodies, RefuseWhatIsNoBody) {
       },
       {"body 0: density = 500", "mass_properties", "one of them"}));
   EXPECT_TRUE(refuses(
-      [&] { flow({.faces = faces_of_box(Vec<2>(0.2, 0.2), Vec<2>(0.005, 0.009)), .density = 500}); },
+      [&] {
+        flow({.faces = faces_of_box(Vec<2>(0.2, 0.2), Vec<2>(0.005, 0.009)), .density = 500});
+      },
       {"body 0 is 0.018 m large", "less than the spacing"}));
   EXPECT_TRUE(refuses([&] { flow({.faces = box, .density = 500, .velocity = {nan, 0}}); },
                       {"body 0: velocity", "nan"}));
@@ -387,25 +419,28 @@ TEST(FloatingBodies, BeginWhereNothingElseIs) {
   };
   EXPECT_TRUE(refuses([&] { with_first(box({0.15, 0.25}, {0.3, 0.35})); },
                       {"body 0 and body 1 go through each other"}));
-  for (const auto& other : {box({0.15, 0.2}, {0.25, 0.3}), first, box({0.14, 0.24}, {0.16, 0.26})}) {
+  for (const auto& other :
+       {box({0.15, 0.2}, {0.25, 0.3}), first, box({0.14, 0.24}, {0.16, 0.26})}) {
     EXPECT_TRUE(refuses([&] { with_first(other); }, {"is inside of body", "mass_properties"}));
   }
   EXPECT_NO_THROW(with_first(box({0.14, 0.24}, {0.16, 0.26}), true));
   EXPECT_NO_THROW(with_first(box({0.2, 0.2}, {0.3, 0.3})));
 }
 
-// The only test of a body that touches a wall from the beginning, and is pressed against it: within a step,
-// its velocity changes until it fits the load, and it must not creep through the floor meanwhile.
+// The only test of a body that touches a wall from the beginning, and is pressed against it: within
+// a step, its velocity changes until it fits the load, and it must not creep through the floor
+// meanwhile.
 TEST(FloatingBodies, StayWhereTheyArePressedAgainstAFloor) {
   const Vec<2> centre(0.15, 0.1);
-  auto sim = Scene<2>{.size = {0.4, 0.4},
-                      .depth = 0.1,
-                      .bodies = {{.faces = faces_of_box(centre, Vec<2>(0.05, 0.1)),
-                                  .density = 500,
-                                  .load = [](const auto&, double) {
-                                    return BodyLoad<2>{.force = {0, -400}};
-                                  }}}}
-                 .simulation();
+  auto sim = Scene<2>{
+      .size = {0.4, 0.4},
+      .depth = 0.1,
+      .bodies = {
+          {.faces = faces_of_box(centre, Vec<2>(0.05, 0.1)),
+           .density = 500,
+           .load = [](const auto&, double) {
+             return BodyLoad<2>{.force = {0, -400}};
+           }}}}.simulation();
   while (sim.time() < 0.1) sim.step();
   const auto state = sim.interaction().walls().bodies()[0].state();
   EXPECT_LT((state.position - centre).norm(), 1e-3 * l0);
@@ -416,9 +451,10 @@ TEST(FloatingBodies, KeepOffPeriodicSides) {
   const auto step = [](double from, double to) {
     mps::FlowSettings<2, mps::Recommended> settings{.spacing = l0, .speed_scale = 1};
     settings.walls.segments = polyline({{-1, 0}, {2, 0}});
-    settings.walls.moving_2d = mps::MovingWalls<2>{
-        .bodies = {{.faces = faces_of_box(Vec<2>((from + to) / 2, 0.3), Vec<2>((to - from) / 2, 0.04)),
-                    .density = 500}}};
+    settings.walls.moving_2d =
+        mps::MovingWalls<2>{.bodies = {{.faces = faces_of_box(Vec<2>((from + to) / 2, 0.3),
+                                                              Vec<2>((to - from) / 2, 0.04)),
+                                        .density = 500}}};
     const Box<2> box{.lower = {0, -1}, .upper = {0.4, 1}, .periodic = {true, false}};
     Simulation sim{fluid_at(lattice<2>({{0, 0}, {0.4, 0.1}}, l0), box), UniformGrid<2>{},
                    mps::Flow<mps::Recommended>{settings}, SemiImplicit<>{}};
@@ -434,18 +470,20 @@ TEST(FloatingBodies, KeepOffPeriodicSides) {
 // The only test of finite loads that nothing resolves.
 TEST(FloatingBodies, RefuseLoadsThatNothingResolves) {
   const auto run = [](double force, double dt) {
-    auto sim = Scene<2>{.size = {1, 1},
-                        .depth = 4 * l0,
-                        .bodies = {{.faces = faces_of_box(Vec<2>(0.5, 0.5), Vec<2>(0.04, 0.06)),
-                                    .density = 500,
-                                    .load = [=](const auto&, double) {
-                                      return BodyLoad<2>{.force = {force, 0}};
-                                    }}}}
-                   .simulation();
+    auto sim = Scene<2>{
+        .size = {1, 1},
+        .depth = 4 * l0,
+        .bodies = {
+            {.faces = faces_of_box(Vec<2>(0.5, 0.5), Vec<2>(0.04, 0.06)),
+             .density = 500,
+             .load = [=](const auto&, double) {
+               return BodyLoad<2>{.force = {force, 0}};
+             }}}}.simulation();
     for (int k = 0; k < 5; ++k) dt > 0 ? sim.step(dt) : sim.step();
   };
   for (const double dt : {0.0, 1e-3}) {
-    EXPECT_TRUE(refuses([&] { run(1e8, dt); }, {"body 0 moves by", "more than the spacing", "load"}));
+    EXPECT_TRUE(
+        refuses([&] { run(1e8, dt); }, {"body 0 moves by", "more than the spacing", "load"}));
   }
 }
 

@@ -10,9 +10,11 @@
 #include <silt/mps/filling/pool.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -27,7 +29,7 @@ struct CellsOfPool {
   Vec<Dim> origin;          ///< a corner of the lattice [m]
   std::vector<Cell> cells;  ///< x varies fastest, the height slowest
   std::vector<Vec<Dim>>
-      points;  ///< in the cells: their centres, or that of the part in the room [m]
+      points;  ///< in the cells: their centres, or in the middle of the part in the room [m]
 };
 
 /// As many cells as the volume of the room has, but one at least. Of cells that walls cut, those
@@ -82,8 +84,9 @@ CellsOfPool<Dim> cells_of(const PoolRoom<Dim>& room) {
     is_cut[i] = room.is_near_face(centre, l0 / 2 * (1 - 1e-6)) ? 1 : 0;
     constexpr int along = Dim == 2 ? 8 : 4;
     constexpr int points = Dim == 2 ? along * along : along * along * along;
+    std::array<Vec<Dim>, points> wet;
+    std::size_t number = 0;
     Vec<Dim> sum = Vec<Dim>::Zero();
-    int number = 0;
     for (int p = 0; p < points; ++p) {
       Vec<Dim> x = centre;
       for (int k = 0, rest = p; k < Dim; ++k, rest /= along) {
@@ -91,10 +94,22 @@ CellsOfPool<Dim> cells_of(const PoolRoom<Dim>& room) {
       }
       if (!room.is_wet(x)) continue;
       sum += x;
-      ++number;
+      wet[number++] = x;
     }
     shares[i] = double(number) / points;
-    if (number > 0 && number < points) centres[i] = sum / number;
+    if (number == 0 || number == points) return;
+    const Vec<Dim> middle = sum / double(number);
+    centres[i] = middle;
+    const double off_faces = 0.01 * l0;
+    if (room.is_wet(middle) && !room.is_near_face(middle, off_faces)) return;
+    // Around a corner of an obstacle, the middle of the part in the room may be in the obstacle.
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vec<Dim>& x : std::span(wet).first(number)) {
+      const double distance = (x - middle).norm();
+      if (!(distance < least) || room.is_near_face(x, off_faces)) continue;
+      least = distance;
+      centres[i] = x;
+    }
   });
 
   const auto add = [&](Index i) {

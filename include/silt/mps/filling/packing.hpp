@@ -32,6 +32,8 @@ class Packing {
   auto positions() const { return equations_.positions(); }
   /// The largest of the residuals of the equations, over n0 and in spacings [-].
   double deviation() const { return deviation_; }
+  /// Where it is [m].
+  const Vec& place_of_deviation() const { return place_of_deviation_; }
 
   /// Moves the particles.
   void pack() {
@@ -85,6 +87,10 @@ class Packing {
           if (largest_residual < deviation_ / 2) last_success = k;
           deviation_ = largest_residual;
           best.assign(begin_.begin(), begin_.end());
+          const Index worst = first_where(equations_.size(), [&](Index i) {
+            return std::abs(residuals[i]) == largest_residual;
+          });
+          if (worst != no_index) place_of_deviation_ = begin_[worst];
         }
         if (deviation_ < tolerance || k == most_steps) break;
       }
@@ -146,6 +152,7 @@ class Packing {
   Buffer<Vec> begin_;  // where the neighbours were found
   Buffer<Vec> moves_, wishes_;
   double deviation_ = 0;
+  Vec place_of_deviation_ = Vec::Zero();
 };
 
 }  // namespace silt::mps::detail

@@ -142,6 +142,9 @@ class PoolRoom {
           "make_empty_tank()");
     }
   }
+  [[noreturn]] void fail_on_wall() const {
+    fail({"Pool: inside = ", to_text(pool_.inside), " m is on a wall; give a point in the water"});
+  }
   void make_grid() {
     step_ = pool_.spacing / 2;
     Vec lower = faces_.elements()[0].face.corners[0], upper = lower;
@@ -151,15 +154,15 @@ class PoolRoom {
         upper = upper.cwiseMax(corner);
       }
     }
+    if (is_near_face(pool_.inside, 1e-6 * pool_.spacing)) fail_on_wall();
+    for (int k = 0; k < Dim; ++k) {
+      if (pool_.inside[k] > lower[k] && (k == up || pool_.inside[k] < upper[k])) continue;
+      fail({"Pool: inside = ", to_text(pool_.inside), " m is beyond all walls, which reach from ",
+            to_text(lower), " m to ", to_text(upper), " m; give a point between them"});
+    }
     upper[up] = std::min(upper[up], pool_.level + 2.5 * pool_.spacing);
     double points = 1;
-    for (int k = 0; k < Dim; ++k) {
-      if (!(pool_.inside[k] > lower[k]) || (k != up && !(pool_.inside[k] < upper[k]))) {
-        fail({"Pool: inside = ", to_text(pool_.inside), " m is beyond all walls, which reach from ",
-              to_text(lower), " m to ", to_text(upper), " m; give a point between them"});
-      }
-      points *= (upper[k] - lower[k]) / step_ + 3;
-    }
+    for (int k = 0; k < Dim; ++k) points *= (upper[k] - lower[k]) / step_ + 3;
     if (!(points < 1e8)) {
       fail({"fill: the walls reach over ", points, " points of a grid of half the spacing = ",
             pool_.spacing, " m, which are more than 1e8; increase the spacing"});
@@ -210,10 +213,7 @@ class PoolRoom {
     for (int k = 0; k < Dim; ++k) {
       first[k] = int(std::lround((pool_.inside[k] - origin_[k]) / step_));
     }
-    if ((states_[index_of(first)] & on_face) != 0) {
-      fail(
-          {"Pool: inside = ", to_text(pool_.inside), " m is on a wall; give a point in the water"});
-    }
+    if ((states_[index_of(first)] & on_face) != 0) fail_on_wall();
     Buffer<Index> reached;
     states_[index_of(first)] |= wet;
     reached.push_back(index_of(first));

@@ -35,15 +35,26 @@ class BodyCoupling {
   bool change(std::vector<BodyInFlow<Dim>>& bodies, const std::vector<BodyLoad<Dim>>& loads,
               const FlowOfStep<Dim>& flow) {
     const Eigen::Index size = Eigen::Index(bodies.size()) * components;
-    const Numbers behind = behind_of(bodies, loads, flow);
+    const Numbers all_behind = behind_of(bodies, loads, flow);
     const auto [now, share] = velocities_of(bodies);
-    double free = 0;  // of a body that falls, or lies on a floor
-    for (const BodyInFlow<Dim>& body : bodies) {
-      free += body.mass_properties().mass *
-              flow.acceleration(body.state().position).squaredNorm();
+    if (tried_ == 0) is_coupled_.assign(bodies.size(), false);
+    bool agree = true;
+    Numbers behind = all_behind;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+      const auto own = [&](const Numbers& numbers) {
+        return numbers.segment(Eigen::Index(b) * components, components).norm();
+      };
+      // A body that falls, or lies on a floor, is behind by what gravity gives it in the step.
+      const double by_gravity =
+          of_mass(bodies[b]) * flow.acceleration(bodies[b].state().position).norm();
+      if (own(all_behind) > 0.05 * own(now) + 1.01 * flow.time_step * by_gravity) {
+        is_coupled_[b] = true;
+        agree = false;
+      }
+      // Others do not take part: theirs may be much larger than what a light body has to agree to.
+      if (!is_coupled_[b]) behind.segment(Eigen::Index(b) * components, components).setZero();
     }
-    const double little = 0.05 * now.norm() + 1.01 * flow.time_step * std::sqrt(free);
-    if (!(behind.norm() > little) || tried_ >= max_solves) return false;
+    if (agree || tried_ >= max_solves) return false;
     // Differences from what was tried before, in columns.
     const Eigen::Index known = std::min<Eigen::Index>(Eigen::Index(tried_), size);
     Numbers next = now + share.cwiseProduct(behind);
@@ -52,7 +63,11 @@ class BodyCoupling {
       for (Eigen::Index k = 0; k < known; ++k) {
         const Try& before = tries_[tried_ - 1 - std::size_t(k)];
         dx.col(k) = now - before.velocities;
-        df.col(k) = behind - before.behind;
+        df.col(k) = all_behind - before.behind;
+        for (std::size_t b = 0; b < bodies.size(); ++b) {
+          if (!is_coupled_[b])
+            df.col(k).segment(Eigen::Index(b) * components, components).setZero();
+        }
       }
       Matrix normal = df.transpose() * df;
       const double scale = normal.trace() / double(known);
@@ -62,7 +77,7 @@ class BodyCoupling {
       next -= dx * weights + share.cwiseProduct(Numbers(df * weights));
     }
     tries_.resize(max_solves);
-    tries_[tried_++] = {now, behind};
+    tries_[tried_++] = {now, all_behind};
     const Numbers step = next - now;
     Eigen::Index row = 0;
     for (BodyInFlow<Dim>& body : bodies) {
@@ -125,6 +140,7 @@ class BodyCoupling {
     return scaled;
   }
 
+  std::vector<bool> is_coupled_;  // of each body, in this step
   std::vector<Try> tries_;
   std::size_t tried_ = 0;
 };

@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -56,15 +57,31 @@ class BodyInFlow {
     if (body.mass_properties) {
       mass_ = *body.mass_properties;
       require_valid(name, mass_);
-      mass_properties_of(name, body.faces, 1);  // throws if they are not closed
+      volume_ = mass_properties_of(name, body.faces, 1).mass;  // throws if they are not closed
     } else {
       require_positive((name + ": density").c_str(), body.density);
       mass_ = mass_properties_of(name, body.faces, body.density);
+      volume_ = mass_.mass / body.density;
+      require_positive((name + ": mass").c_str(), mass_.mass);
+      if (!is_valid(mass_.inertia)) {
+        fail({name, ": the moment of inertia that follows from its faces is ",
+              text_of(mass_.inertia),
+              " kg m²; let no faces cross each other, and all normals be outwards"});
+      }
     }
+    Vec lower = body.faces[0].corners[0], upper = lower;
     for (const Face<Dim>& face : body.faces) {
       for (const Vec& corner : face.corners) {
         largest_distance_ = std::max(largest_distance_, (corner - mass_.centre).norm());
+        lower = lower.cwiseMin(corner);
+        upper = upper.cwiseMax(corner);
       }
+    }
+    const double size = (upper - lower).norm();
+    if (!(largest_distance_ <= 3 * size)) {
+      fail({name, ": the centre of mass ", to_text(mass_.centre), " m is ", largest_distance_,
+            " m away from faces of a body of ", size,
+            " m; give mass_properties of the body where its faces are defined"});
     }
     now_.position = mass_.centre;
     now_.velocity = now_.of_faces.velocity = body.velocity;
@@ -81,6 +98,11 @@ class BodyInFlow {
             .orientation = now_.orientation,
             .velocity = now_.of_faces.velocity,
             .spin = now_.spin_of_faces.velocity};
+  }
+  double volume() const { return volume_; }  ///< inside its faces [m³]
+  /// Whether the fluid cannot move it.
+  bool is_held() const {
+    return body_.keeps_orientation && std::ranges::all_of(body_.is_held, std::identity{});
   }
   Vec momentum() const { return mass_.mass * now_.velocity; }  ///< m V [kg m/s]
   /// Of contacts with walls and other bodies in the last step [N s].
@@ -269,19 +291,28 @@ class BodyInFlow {
   static void require_valid(const std::string& name, const MassProperties<Dim>& mass) {
     require_positive((name + ": mass_properties: mass").c_str(), mass.mass);
     require_finite((name + ": mass_properties: centre").c_str(), mass.centre);
-    bool is_valid = false;
-    if constexpr (Dim == 2) {
-      is_valid = mass.inertia > 0 && is_finite(mass.inertia);
-    } else {
-      const Matrix& inertia = mass.inertia;
-      is_valid = inertia.allFinite() && inertia.isApprox(inertia.transpose()) &&
-                 inertia(0, 0) > 0 && inertia.template topLeftCorner<2, 2>().determinant() > 0 &&
-                 inertia.determinant() > 0;
-    }
-    if (is_valid) return;
-    fail({name, ": mass_properties: the moment of inertia must be ",
+    if (is_valid(mass.inertia)) return;
+    fail({name, ": mass_properties: inertia = ", text_of(mass.inertia),
+          " kg m² must be finite and ",
           Dim == 2 ? "above 0" : "symmetric, with a positive one about each axis",
-          "; give it about the centre of mass, in kg m²"});
+          "; give it about the centre of mass"});
+  }
+  static bool is_valid(const Inertia<Dim>& inertia) {
+    if constexpr (Dim == 2) {
+      return inertia > 0 && is_finite(inertia);
+    } else {
+      return inertia.allFinite() && inertia.isApprox(inertia.transpose()) && inertia(0, 0) > 0 &&
+             inertia.template topLeftCorner<2, 2>().determinant() > 0 && inertia.determinant() > 0;
+    }
+  }
+  // Row by row.
+  static std::string text_of(const Inertia<Dim>& inertia) {
+    if constexpr (Dim == 2) {
+      return to_text(inertia);
+    } else {
+      return to_text(Vec(inertia.row(0))) + " " + to_text(Vec(inertia.row(1))) + " " +
+             to_text(Vec(inertia.row(2)));
+    }
   }
 
   // At the end of a step.
@@ -354,6 +385,7 @@ class BodyInFlow {
 
   FloatingBody<Dim> body_;
   MassProperties<Dim> mass_;
+  double volume_ = 0;            // inside its faces [m³]
   double largest_distance_ = 0;  // of a corner from the centre of mass [m]
   double time_step_ = 1;         // [s]
   BodyLoad<Dim> load_of_user_;   // in the step

@@ -15,17 +15,18 @@
 #include <silt/mps/wall/divergence_with_images.hpp>
 #include <silt/mps/wall/extrapolated_flow.hpp>
 #include <silt/mps/wall/faces_near_particles.hpp>
+#include <silt/mps/wall/flow_of_step.hpp>
 #include <silt/mps/wall/image_row.hpp>
 #include <silt/mps/wall/image_search.hpp>
 #include <silt/mps/wall/image_wall_checks.hpp>
 #include <silt/mps/wall/wall_motions.hpp>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -150,9 +151,11 @@ class ImageWalls::InFlow {
                                        const Settings& settings, double time, double time_step) {
     if (motions_.empty() || motions_->number_of_bodies() == 0) return false;
     bool is_changed = false;
-    with_flow(particles, changes, settings, {time, time_step}, [&](const FlowOfStep<Dim>& flow) {
-      is_changed = motions_->change_velocities(flow, near_.moving_faces());
-    });
+    detail::with_flow_of_step(particles, near_, changes, settings, spacing_, {time, time_step},
+                              [&](const FlowOfStep<Dim>& flow) {
+                                is_changed =
+                                    motions_->change_velocities(flow, near_.moving_faces());
+                              });
     return is_changed;
   }
   /// See WallMover::end_step().
@@ -160,8 +163,8 @@ class ImageWalls::InFlow {
   void end_step(const P& particles, const Buffer<MomentumChange<Dim>>& changes,
                 const Settings& settings, double time, double time_step) {
     if (motions_.empty()) return;
-    with_flow(particles, changes, settings, {time, time_step},
-              [&](const FlowOfStep<Dim>& flow) { motions_->end_step(flow); });
+    detail::with_flow_of_step(particles, near_, changes, settings, spacing_, {time, time_step},
+                              [&](const FlowOfStep<Dim>& flow) { motions_->end_step(flow); });
   }
   /// See WallMover::loads(); of walls at rest none.
   template <FluidParticles P, class Settings>
@@ -170,8 +173,9 @@ class ImageWalls::InFlow {
       double time_step) const {
     std::vector<BodyLoad<Dim>> loads;
     if (motions_.empty()) return loads;
-    with_flow(particles, changes, settings, {.time_step = time_step},
-              [&](const FlowOfStep<Dim>& flow) { loads = motions_->loads(flow); });
+    detail::with_flow_of_step(particles, near_, changes, settings, spacing_,
+                              {.time_step = time_step},
+                              [&](const FlowOfStep<Dim>& flow) { loads = motions_->loads(flow); });
     return loads;
   }
   /// Of the walls that move, from a time [s] on: see WallMover::longest_step(); the distance is in
@@ -216,7 +220,7 @@ class ImageWalls::InFlow {
     const auto x = particles.with_ghosts(position);
     revision_ = 0;  // until all are located
     near_.find(x, particles.size(), reach);
-    if (near_.faces().move()) find_dry_groups(particles);
+    if (near_.faces().move()) detail::find_dry_groups(particles, near_);
     detail::require_distance_from_faces(particles, near_, spacing_);
     images_.clear(particles.size());
     const auto& stencil = operators.stencil();
@@ -366,50 +370,6 @@ class ImageWalls::InFlow {
   // of spray so high a density that it had a pressure.
   static constexpr double least_clearance = 0.35;
 
-  template <class P>
-  [[gnu::cold]] void find_dry_groups(const P& particles) {
-    Faces<Dim>& faces = near_.moving_faces();
-    for (std::uint32_t group = 1; group <= faces.groups(); ++group) {
-      const Index wet = first_where(near_.size(), [&](Index i) {
-        if (!near_.has_faces(i)) return false;
-        const auto near = near_[i].faces();
-        return std::any_of(near.begin(), near.end(),
-                           [&](std::uint32_t k) { return faces[k].group == group; });
-      });
-      faces.set_dry(group, !silt::detail::any_of_all(particles, wet != no_index));
-    }
-  }
-  struct Duration {
-    double time = 0;   // when the step began [s]
-    double time_step;  // [s]
-  };
-  template <class P, class Settings, class F>
-  [[gnu::cold]] void with_flow(const P& particles, const Buffer<MomentumChange<Dim>>& changes,
-                               const Settings& settings, const Duration& step, F&& f) const {
-    const auto& box = particles.box();
-    const auto acceleration = [&](const silt::Vec<Dim>& x) -> silt::Vec<Dim> {
-      if (!settings.body_force) return settings.gravity;
-      return settings.gravity + settings.body_force(x, step.time);
-    };
-    const auto sum = [&](const silt::Vec<6>& own) {
-      return silt::detail::sum_of_all(particles, own);
-    };
-    const auto maximum = [&](const std::array<double, 2>& own) {
-      return silt::detail::largest_of_all(particles, own);
-    };
-    f(FlowOfStep<Dim>{.near = near_,
-                      .changes = changes,
-                      .box = {.lower = box.lower.template cast<double>(),
-                              .upper = box.upper.template cast<double>(),
-                              .periodic = box.periodic},
-                      .density = settings.density,
-                      .acceleration = acceleration,
-                      .spacing = spacing_,
-                      .time = step.time,
-                      .time_step = step.time_step,
-                      .sum = sum,
-                      .maximum = maximum});
-  }
   // f(i) for those near faces, in parallel as images_ allows.
   template <class F>
   void for_each_of_images(F&& f) {

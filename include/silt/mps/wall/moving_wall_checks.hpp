@@ -58,6 +58,21 @@ template <int Dim>
   }
 }
 
+/// Throws if a body that fluid of this density [kg/m³] moves is too light for it.
+template <int Dim>
+void require_heavy_enough(const std::vector<BodyInFlow<Dim>>& bodies, double density) {
+  // One of a hundredth floats; one of a thousandth was thrown out of the water.
+  constexpr double least = 0.01;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const double mass = bodies[b].mass_properties().mass;
+    const double of_fluid = density * bodies[b].volume();
+    if (mass >= 0.999 * least * of_fluid || bodies[b].is_held()) continue;
+    fail({"MovingWalls: body ", b, " has a mass of ", mass, " kg, less than ", least,
+          " of that of the fluid which it may displace, ", of_fluid,
+          " kg: its motion would not be stable; give it a larger density"});
+  }
+}
+
 /// Throws if a body moves by more than a spacing [m] in a step of this length [s].
 template <int Dim>
 void require_resolved_moves(const std::vector<BodyInFlow<Dim>>& bodies, double time_step,

@@ -63,13 +63,22 @@ struct MovingWalls {
   }
   /// Throws if a motion or a body is invalid.
   std::unique_ptr<WallMover<Dim>> mover() const;
-  /// What identifies them: of a motion, where it begins. Throws if one is invalid.
+  /// What identifies them: of a motion, where it begins and where it is at some times up to a
+  /// second, if it is defined then. Throws if one is invalid.
   void add_to(PointChecksum& sum) const {
     for (const MovingFaces<Dim>& group : faces) {
       group.motion.check();
-      const Pose<Dim> pose = group.motion.pose_at(0);
-      for (const Face<Dim>& face : group.faces) {
-        for (const Vec<Dim>& corner : face.corners) sum.add(pose.x_of(corner));
+      for (const double t : {0.0, 0.01, 0.1, 1.0}) {
+        Pose<Dim> pose;
+        try {
+          pose = group.motion.pose_at(t);
+        } catch (...) {
+          if (t == 0) throw;
+          continue;
+        }
+        for (const Face<Dim>& face : group.faces) {
+          for (const Vec<Dim>& corner : face.corners) sum.add(pose.x_of(corner));
+        }
       }
     }
     for (const FloatingBody<Dim>& body : bodies) {
@@ -77,10 +86,24 @@ struct MovingWalls {
         for (const Vec<Dim>& corner : face.corners) sum.add(corner);
       }
       sum.add(Vec<2>(body.density, body.mass_properties ? body.mass_properties->mass : 0));
+      if (body.mass_properties) {
+        sum.add(body.mass_properties->centre);
+        add_numbers(body.mass_properties->inertia, sum);
+      }
       sum.add(body.velocity);
+      add_numbers(body.spin, sum);
       for (const bool is_held : body.is_held) sum.add(std::uint64_t(is_held));
       sum.add(std::uint64_t(body.keeps_orientation));
       sum.add(std::uint64_t(body.load ? 1 : 0));
+    }
+  }
+
+ private:
+  static void add_numbers(const auto& numbers, PointChecksum& sum) {
+    if constexpr (requires { numbers.reshaped(); }) {
+      for (const double number : numbers.reshaped()) sum.add(Vec<2>(number, 0));
+    } else {
+      sum.add(Vec<2>(numbers, 0));
     }
   }
 };
@@ -161,6 +184,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
   bool change_velocities(const FlowOfStep<Dim>& flow, Faces<Dim>& faces) override {
     if (bodies_.empty()) return false;
     if (coupling_.is_empty()) {
+      require_heavy_enough(bodies_, flow.density);
       for (std::size_t b = 0; b < bodies_.size(); ++b) {
         bodies_[b].set_shares(wetted_bounds(flow, group_of_body(b), bodies_[b].state().position));
       }

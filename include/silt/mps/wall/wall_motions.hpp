@@ -3,7 +3,6 @@
 // only in programs that have moving walls, see moving_walls.hpp.
 #pragma once
 
-#include <silt/core/box.hpp>
 #include <silt/core/buffer.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/function_ref.hpp>
@@ -12,10 +11,9 @@
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/mirror.hpp>
 #include <silt/geometry/point_checksum.hpp>
-#include <silt/mps/fluid/momentum_change.hpp>
 #include <silt/mps/wall/faces_near_particles.hpp>
+#include <silt/mps/wall/flow_of_step.hpp>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -45,24 +43,6 @@ struct MotionOfMirror {
   MirrorRate<Dim> change;  ///< of the former since the last step, over Δt [1/s²], [m/s²]
 
   bool operator==(const MotionOfMirror&) const = default;
-};
-
-/// What bodies have to know of a flow at the end of a step.
-template <int Dim>
-struct FlowOfStep {
-  const FacesNearParticles<Dim>& near;         ///< with the faces
-  const Buffer<MomentumChange<Dim>>& changes;  ///< of the particles, in the step
-  Box<Dim> box;                                ///< of the particles
-  double density;                              ///< [kg/m³]
-  /// Gravity and body force at a point [m/s²].
-  FunctionRef<Vec<Dim>(const Vec<Dim>&)> acceleration;
-  double spacing;                              ///< l0 [m]
-  double time;                                 ///< when the step began [s]
-  double time_step;                            ///< [s]
-  /// Sums of numbers over all processes.
-  FunctionRef<Vec<6>(const Vec<6>&)> sum;
-  /// Largest numbers of all processes.
-  FunctionRef<std::array<double, 2>(const std::array<double, 2>&)> maximum;
 };
 
 /// A point that is in a body.
