@@ -30,8 +30,9 @@ class SharesOfLines {
 
   /// A share and its derivatives by the positions of x and of the image; 0 beside several edges.
   struct Share {
-    double value;                                           // [-]
-    Vec slope = Vec::Zero(), slope_of_image = Vec::Zero();  // [1/m]
+    double value;                      ///< [-]
+    Vec slope = Vec::Zero();           ///< by the position of x [1/m]
+    Vec slope_of_image = Vec::Zero();  ///< by that of the image [1/m]
   };
 
   /// The share [-] of lines around the one from x to the image of the point, shifted in all
@@ -42,6 +43,7 @@ class SharesOfLines {
   double of(const Vec& point, const Mirror<Dim>& mirror) const {
     return share_of(point, mirror).value;
   }
+  /// The same, with its derivatives.
   Share share_of(const Vec& point, const Mirror<Dim>& mirror) const {
     const bool is_reversed = std::lexicographical_compare(point.begin(), point.end(),
                                                           around_.x().begin(), around_.x().end());
@@ -63,14 +65,12 @@ class SharesOfLines {
       const Line inner = line_between({from, image, shift}, 1, around_.width(), &edge);
       const Line outer = line_between({from, image, Vec(-shift)}, 1, around_.width(), &edge);
       if (!inner.is_close_to_rim && !outer.is_close_to_rim) {
-        const double at = edge.inside / around_.margin();  // from −1 to 1
-        const double part = 0.5 + at * (3 - at * at) / 4;
+        const Step step = step_at(edge.inside / around_.margin());
         const double inner_value = leads_there(inner, shift);
         const double outer_value = leads_there(outer, -shift);
-        const Vec slope =
-            0.75 * (1 - at * at) / around_.margin() * (inner_value - outer_value) * edge.across;
+        const Vec slope = step.slope / around_.margin() * (inner_value - outer_value) * edge.across;
         const Vec first = (1 - edge.along_line) * slope, second = edge.along_line * slope;
-        Share share{part * inner_value + (1 - part) * outer_value};
+        Share share{step.value * inner_value + (1 - step.value) * outer_value};
         share.slope = is_reversed ? multiply<Dim, double>(back.rotation, second) : first;
         share.slope_of_image = is_reversed ? multiply<Dim, double>(mirror.rotation, first) : second;
         return share;
@@ -85,6 +85,18 @@ class SharesOfLines {
   }
 
  private:
+  // A smooth step from 0 at −1 to 1 at 1, and its slope [-]. Points of a lattice are exactly in
+  // line with edges that fit it: there it is constant, as fluid beside them is at rest only if
+  // small moves do not change shares.
+  struct Step {
+    double value, slope;
+  };
+  static Step step_at(double x) {
+    constexpr double constant = 0.15;
+    const double u = std::clamp((std::abs(x) - constant) / (1 - constant), 0.0, 1.0);
+    const double half = u * u * (3 - 2 * u) / 2;
+    return {0.5 + (x > 0 ? half : -half), 3 * u * (1 - u) / (1 - constant)};
+  }
   // Eight shifts, with all signs; in 2D of two sizes.
   Vec shift_of(int k) const {
     static constexpr double sizes[] = {0.61, 0.33, 0.17};  // in no special direction
