@@ -15,7 +15,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -295,6 +297,27 @@ TEST(FloatingBodies, AreCopiedWithTheSimulation) {
   }
   EXPECT_EQ(state_of(one.particles()), state_of(other.particles()));
   EXPECT_EQ(state_of(one.particles()), state_of(alone.particles()));
+}
+
+// No other test proves that a checkpoint tells apart all that moves walls and bodies.
+TEST(FloatingBodies, AndMotionsAreToldApart) {
+  const auto box = faces_of_box(Vec<2>(0.2, 0.2), Vec<2>(0.04, 0.04));
+  const auto sum = [](const mps::MovingWalls<2>& walls) {
+    return mps::ImageWalls{.moving_2d = walls}.checksum();
+  };
+  const auto of_body = [&](double inertia, double centre, double spin) {
+    return sum(
+        {.bodies = {{.faces = box,
+                     .mass_properties =
+                         MassProperties<2>{.mass = 1, .centre = {centre, 0.2}, .inertia = inertia},
+                     .spin = spin}}});
+  };
+  const auto of_motion = [&](double speed) {
+    return sum({.faces = {{.faces = box, .motion = Translation<2>{{speed, 0}}}}});
+  };
+  const std::vector<std::uint64_t> sums{of_body(1, 0.2, 0), of_body(2, 0.2, 0), of_body(1, 0.21, 0),
+                                        of_body(1, 0.2, 3), of_motion(1),       of_motion(-1)};
+  EXPECT_EQ(std::set<std::uint64_t>(sums.begin(), sums.end()).size(), sums.size());
 }
 
 // No other test proves that an impact does not depend on bodies that it does not concern.

@@ -15,9 +15,9 @@ class PointChecksum {
   /// Adds the coordinates of a point, or another number.
   template <int Dim, class Real>
   void add(const Vec<Dim, Real>& point) {
-    for (int k = 0; k < Dim; ++k)
-      add(std::bit_cast<std::uint64_t>(double(point[k]) + 0.0));  // no −0
+    for (int k = 0; k < Dim; ++k) add_number(double(point[k]));
   }
+  void add_number(double number) { add(std::bit_cast<std::uint64_t>(number + 0.0)); }  // no −0
   void add(std::uint64_t number) {
     for (int byte = 0; byte < 8; ++byte)
       sum_ = (sum_ ^ (number >> 8 * byte & 255)) * 1099511628211u;

@@ -39,7 +39,6 @@ class BodyCoupling {
     const auto [now, share] = velocities_of(bodies);
     if (tried_ == 0) is_coupled_.assign(bodies.size(), false);
     bool agree = true;
-    Numbers behind = all_behind;
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const auto own = [&](const Numbers& numbers) {
         return numbers.segment(Eigen::Index(b) * components, components).norm();
@@ -47,14 +46,20 @@ class BodyCoupling {
       // A body that falls, or lies on a floor, is behind by what gravity gives it in the step.
       const double by_gravity =
           of_mass(bodies[b]) * flow.acceleration(bodies[b].state().position).norm();
-      if (own(all_behind) > 0.05 * own(now) + 1.01 * flow.time_step * by_gravity) {
-        is_coupled_[b] = true;
-        agree = false;
-      }
-      // Others do not take part: theirs may be much larger than what a light body has to agree to.
-      if (!is_coupled_[b]) behind.segment(Eigen::Index(b) * components, components).setZero();
+      if (!(own(all_behind) > 0.05 * own(now) + 1.01 * flow.time_step * by_gravity)) continue;
+      is_coupled_[b] = true;
+      agree = false;
     }
     if (agree || tried_ >= max_solves) return false;
+    // Other bodies do not take part: theirs may be much larger than what a light one has to agree
+    // to.
+    const auto of_coupled = [&](Numbers numbers) {
+      for (std::size_t b = 0; b < bodies.size(); ++b) {
+        if (!is_coupled_[b]) numbers.segment(Eigen::Index(b) * components, components).setZero();
+      }
+      return numbers;
+    };
+    const Numbers behind = of_coupled(all_behind);
     // Differences from what was tried before, in columns.
     const Eigen::Index known = std::min<Eigen::Index>(Eigen::Index(tried_), size);
     Numbers next = now + share.cwiseProduct(behind);
@@ -63,11 +68,7 @@ class BodyCoupling {
       for (Eigen::Index k = 0; k < known; ++k) {
         const Try& before = tries_[tried_ - 1 - std::size_t(k)];
         dx.col(k) = now - before.velocities;
-        df.col(k) = all_behind - before.behind;
-        for (std::size_t b = 0; b < bodies.size(); ++b) {
-          if (!is_coupled_[b])
-            df.col(k).segment(Eigen::Index(b) * components, components).setZero();
-        }
+        df.col(k) = of_coupled(all_behind - before.behind);
       }
       Matrix normal = df.transpose() * df;
       const double scale = normal.trace() / double(known);

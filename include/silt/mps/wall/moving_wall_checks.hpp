@@ -66,7 +66,8 @@ void require_heavy_enough(const std::vector<BodyInFlow<Dim>>& bodies, double den
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     const double mass = bodies[b].mass_properties().mass;
     const double of_fluid = density * bodies[b].volume();
-    if (mass >= 0.999 * least * of_fluid || bodies[b].is_held()) continue;
+    constexpr double round_off = 1e-9;
+    if (mass > (least - round_off) * of_fluid || bodies[b].is_held()) continue;
     fail({"MovingWalls: body ", b, " has a mass of ", mass, " kg, less than ", least,
           " of that of the fluid which it may displace, ", of_fluid,
           " kg: its motion would not be stable; give it a larger density"});
