@@ -14,7 +14,9 @@ struct BodyState {
   Pose<Dim> pose;                                     ///< from where the body is defined
   Vec<Dim> position = Vec<Dim>::Zero();               ///< of the centre of mass [m]
   Orientation<Dim> orientation;                       ///< angle, or unit quaternion
-  Vec<Dim> velocity = Vec<Dim>::Zero();               ///< of the centre of mass [m/s]
+  /// Of the centre of mass [m/s], with which the body moves next. Of one that lies on something it
+  /// includes Δt g, which the contact takes away at the beginning of the next step.
+  Vec<Dim> velocity = Vec<Dim>::Zero();
   AngularVec<Dim> spin = zero_of<AngularVec<Dim>>();  ///< [1/s]
 };
 

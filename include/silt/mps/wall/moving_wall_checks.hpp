@@ -29,10 +29,10 @@ template <int Dim, class NameOf>
           " m in the beginning; move one of them, or make it smaller, so that they touch at most"});
   }
   if (const auto inside = solid.find_faces(faces, tolerance)) {
-    fail({"MovingWalls: ", name_of(inside->group), " is inside of ", name_of(inside->other), " at ",
-          to_text(inside->x),
-          " m in the beginning; move one of them, or give the outer one mass_properties, if it is "
-          "hollow, instead of a density"});
+    fail({"MovingWalls: ", name_of(inside->group), ", or a part of it, is inside of ",
+          name_of(inside->other), " at ", to_text(inside->x),
+          " m in the beginning; move one of them, so that they do not overlap; if ",
+          name_of(inside->other), " is hollow, give it mass_properties instead of a density"});
   }
 }
 
