@@ -212,7 +212,8 @@ class SharesOfLines {
         if (inside[k] >= furthest_outside) continue;
         // Distances in the plane are this many times those of the line from the edge.
         const double ascent = element.inwards[k].dot(line);
-        const double in_plane = std::hypot(1.0, ascent / descent);
+        // Not std::hypot(), whose last bits are those of a C library.
+        const double in_plane = std::sqrt(1 + squared(ascent / descent));
         is_near = is_near && inside[k] > -margin * in_plane;
         is_inside = is_inside && inside[k] >= -around_.round_off();
         if (!element.is_rim[k] || !(inside[k] < margin * in_plane)) continue;
