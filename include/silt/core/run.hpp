@@ -65,11 +65,12 @@ class RunLoop {
   /// this object.
   RunLoop(Sim& simulation, const Run& run, Observers&... observers)
       : simulation_(simulation), state_(simulation.run_), run_(run), observers_(observers...) {
-    together(simulation.particles_, [&] {
+    together(simulation.particles(), [&] {
       run.check(simulation.time());
       return Largest{};
     });
-    require_same_in_all(simulation.particles_, "Run: until, output_every, time_step or end_exactly",
+    require_same_in_all(simulation.particles(),
+                        "Run: until, output_every, time_step or end_exactly",
                         std::array{run.until, run.output_every, run.time_step.value_or(0),
                                    run.end_exactly ? 1.0 : 0.0});
   }
@@ -100,7 +101,7 @@ class RunLoop {
     if (run_.end_exactly && simulation_.time() < run_.until) simulation_.time_ = run_.until;
     if (state_.output_step != simulation_.steps()) make_output();
     // An observer may have failed in one process.
-    together(simulation_.particles_, [] { return Largest{}; });
+    together(simulation_.particles(), [] { return Largest{}; });
     return true;
   }
 
@@ -162,15 +163,14 @@ class RunLoop {
         for_each_of(observers_, [&](auto& each) { ends = ends || requests_stop(each); });
         return Largest{.wanted = ends ? 1.0 : 0.0};
       };
-      return together(simulation_.particles_, own).wanted > 0;
+      return together(simulation_.particles(), own).wanted > 0;
     } else {
       return false;
     }
   }
   template <class F>
   void for_each_observer(F&& f) {
-    call_alone(simulation_.particles_,
-               [&] { for_each_of(observers_, f); });
+    call_alone(simulation_.particles(), [&] { for_each_of(observers_, f); });
   }
 
   Sim& simulation_;

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
-// The force per mass F on the particles of a flow: gravity, and a body force if there is one.
+// The force per mass F on the particles of a flow: gravity, and, if there are any, a body force and
+// the exchange with the second phase of a mixture.
 #pragma once
 
 #include <silt/core/buffer.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
-
+#include <silt/mps/fluid/mixture.hpp>
 
 namespace silt::mps {
 
-/// F of a flow: the acceleration of its particles by gravity and the body force.
+/// F of a flow: the acceleration of its particles by gravity, the body force and the exchange.
 template <int Dim, class RealType>
 class BodyForce {
  public:
@@ -25,12 +26,15 @@ class BodyForce {
   /// FlowSettings::body_force.
   template <FluidParticles P, class Force>
   void find(const P& particles, const Force& further, double time) {
+    constexpr bool has_exchange = ParticlesInMixture<P>;
     forces_.clear();
-    if (!further) return;
+    if (!further && !has_exchange) return;
     const auto x = particles.with_halo(position);
     forces_.resize(x.size());
     for_each(x.size(), [&](Index i) {
-      forces_[i] = gravity_ + further(x[i].template cast<double>(), time).template cast<Real>();
+      forces_[i] = gravity_;
+      if (further) forces_[i] += further(x[i].template cast<double>(), time).template cast<Real>();
+      if constexpr (has_exchange) forces_[i] += particles[momentum_exchange][i];
     });
   }
 

@@ -83,8 +83,10 @@ template <int Dim, class Real, class View>
     const Four<Real> least = along < none ? along : none, most = along < none ? none : along;
     const Four<Real> bounded = linear < least ? least : (most < linear ? most : linear);
     const Four<Real> shares = of_others(Strain::place_of_share) + own.share();
-    const Four<Real> factor =
-        (shares > none ? shares : none) * j.weight_over_square * (along - bounded);
+    Four<Real> factor = (shares > none ? shares : none) * j.weight_over_square * (along - bounded);
+    if constexpr (!View::have_equal_volumes) {
+      for (int lane = 0; lane < 4; ++lane) factor[lane] *= at.of_pair(j.index[lane]);
+    }
     for (int a = 0; a < Dim; ++a) change[a] += factor * j.r_ij[a];
   });
   Vec<Dim, Real> sum;

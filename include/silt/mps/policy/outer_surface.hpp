@@ -54,6 +54,7 @@ struct OuterSurface {
       moment += j.weight * j.r_ij;
       n += j.weight;
     });
+    n += at.own_density_in_laplacian();
     const Real missing = Real(0.8) * stencil.mean_height * (stencil.n0 - n);
     const Real flat = stencil.n0 - stencil.above;  // n_s
     const Real plane = stencil.n0 - 2 * stencil.above + stencil.kernel.weight(Real(0));  // n_r

@@ -9,6 +9,7 @@
 #include <silt/core/types.hpp>
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/mixture.hpp>
 #include <silt/mps/operator/corrected_gradient.hpp>
 #include <silt/mps/operator/kept_moments.hpp>
 #include <silt/mps/policy/source.hpp>
@@ -16,6 +17,7 @@
 #include <silt/mps/pressure/pressure_rise.hpp>
 #include <silt/mps/pressure/solve_check.hpp>
 #include <silt/mps/record/flow_seconds.hpp>
+#include <silt/mps/scheme/mixture.hpp>
 #include <silt/mps/scheme/scheme.hpp>
 #include <silt/mps/view/flow_operators.hpp>
 #include <silt/mps/view/particle_view.hpp>
@@ -79,7 +81,8 @@ class FlowPressure {
           return run_inlined([&] { return source(step, i, rise); });
         };
         equation_.assemble(particles, step.operators.pressure_neighbours(),
-                           step.operators.laplacian_stencil(), source_of, boundary_);
+                           step.operators.laplacian_stencil(), source_of, boundary_,
+                           step.operators.bulk_volumes());
       });
       timed(seconds.solve, [&] { report_ = equation_.solve(particles, solver_); });
       check_solve(particles, report_, step.time_step);
@@ -100,7 +103,13 @@ class FlowPressure {
   double source(const StepView<Scheme, P>& step, Index i,
                 const PressureRise<Scheme, P>& rise) const {
     const double weight = boundary_.weight_of_surface(i);
-    const double own = weight > 0 ? source_of_surface(step, i, weight) : source_.value(step.at(i));
+    double own = weight > 0 ? source_of_surface(step, i, weight) : source_.value(step.at(i));
+    if constexpr (is_in_mixture<Scheme>) {
+      // ∇·u = −(1/ε) Dε/Dt at the end of the step.
+      const double rate =
+          double(step.operators.bulk_volumes()[i]) * double(step.particles[fluid_fraction_rate][i]);
+      if (!(weight > 0)) own += step.settings.density / step.time_step * rate;
+    }
     return own - step.at(i).laplacian_of_rises(rise);
   }
   // That with which the pressure outside of the surface has this weight.

@@ -40,6 +40,16 @@ class PressureEquation {
   template <FluidParticles P, class S, class T, class Source, class Boundary>
   void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
                 const Boundary& boundary) {
+    assemble(particles, neighbours, stencil, source, boundary, EqualVolumes{});
+  }
+  /// The same with BulkVolumes: a row is multiplied by that of its particle, as its weights have
+  /// those of the neighbours. The system is symmetric then. And with the response R of a second
+  /// phase, which gives way to a change of the pressure since the last step (k):
+  ///
+  ///   Σ_j w_ij (P_i − P_j) + Σ_j R_ij w_ij [(P_i − P_j) − (P_i − P_j)^k] = −source_i λ n0 / (2d)
+  template <FluidParticles P, class S, class T, class Source, class Boundary, class Volumes>
+  void assemble(const P& particles, const S& neighbours, const T& stencil, Source&& source,
+                const Boundary& boundary, const Volumes& volumes) {
     using Processes = silt::detail::Processes<P>;
     system_.shared.reset();
     number_unknowns(particles, neighbours, stencil, boundary);
@@ -61,15 +71,31 @@ class PressureEquation {
     const float least_weight = negligible_weight(stencil);
     const Index unknowns = unknowns_.size();
     const std::uint32_t* const row_of = row_of_.data();
+    const auto last = particles.with_ghosts(pressure);
     const auto fill_row = [&, least_weight, unknowns, row_of](Index row, auto&& add) {
       const Index i = unknowns_[row];
-      double to_surface = boundary.weight_of_surface(i);
+      const double volume = double(volumes[i]);
+      const double response_of_own = double(volumes.response(i, i));
+      double to_surface = boundary.weight_of_surface(i) * volume * (1 + response_of_own);
+      double of_last = 0;  // Σ_j R w (P_i − P_j)^k
+      if constexpr (!Volumes::are_one) {
+        of_last = response_of_own * boundary.weight_of_surface(i) * volume * double(last[i]);
+      }
       double diagonal = to_surface;
       std::uint32_t last_column = static_cast<std::uint32_t>(row);
       for_each_weighted(neighbours, i, stencil, [&](Index j, const auto&, auto weight, auto) {
         const std::uint32_t column = row_of[j];
-        if (column == excluded || !(static_cast<float>(weight) > least_weight)) return;
-        const double w = double(static_cast<float>(weight));  // as stored in the system
+        float stored = static_cast<float>(weight);  // as in the system
+        double of_response = 0;
+        if constexpr (!Volumes::are_one) {
+          of_response = double(volumes.response(i, j));
+          stored = static_cast<float>(double(weight) * volume * (1 + of_response));
+        }
+        if (column == excluded || !(stored > least_weight)) return;
+        const double w = double(stored);
+        if constexpr (!Volumes::are_one) {
+          of_last += of_response / (1 + of_response) * w * double(last[i] - last[j]);
+        }
         diagonal += w;
         if (column == zero) {
           to_surface += w;
@@ -81,7 +107,7 @@ class PressureEquation {
         }
       });
       system_.diagonal[row] = diagonal;
-      system_.right_side[row] = -double(source(i)) * scale;
+      system_.right_side[row] = -double(source(i)) * scale * volume + of_last;
       geometry.to_surface[row] = static_cast<float>(to_surface);
       last_column_[row] = last_column;
       for (int k = 0; k < P::dimension; ++k) geometry.points[row][Index(k)] = double(x[i][k]);
@@ -136,6 +162,11 @@ class PressureEquation {
     return 0x1p-26f * static_cast<float>(stencil.n0);
   }
 
+  struct EqualVolumes {
+    static constexpr bool are_one = true;
+    constexpr double operator[](Index) const { return 1; }
+    constexpr double response(Index, Index) const { return 0; }
+  };
   template <class P>
   struct AllButDummies {
     const P& particles;

@@ -82,9 +82,12 @@ class FlowRecord {
   }
   /// With walls of faces, when these changes of the velocities are known, and before the particles are
   /// moved with them.
-  template <FluidParticles P, class Walls>
-  void find_momentum_changes(const P& particles, const Walls&, const StepChanges<Vec>& changes) {
-    if constexpr (AddsImages<Walls>) momentum_changes_.find(particles, changes);
+  template <FluidParticles P, class Operators>
+  void find_momentum_changes(const P& particles, const Operators& operators,
+                             const StepChanges<Vec>& changes) {
+    if constexpr (AddsImages<typename Operators::Walls>) {
+      momentum_changes_.find(particles, changes, operators.bulk_volumes());
+    }
   }
   /// The work of the pressure on walls that move, in the step [J]; rise as in PressureRise.
   template <class Step, class Walls, class Rise>

@@ -25,13 +25,14 @@ class MomentumChanges {
   void restore() noexcept { all_.swap(saved_); }
 
   /// Finds them from the particles and from what the stages of the step changed.
-  template <FluidParticles P, class Change>
-  void find(const P& particles, const StepChanges<Change>& changes) {
+  /// The pressure acts on bulk volumes, see BulkVolumes.
+  template <FluidParticles P, class Change, class Volumes>
+  void find(const P& particles, const StepChanges<Change>& changes, const Volumes& volumes) {
     all_.resize(particles.size());
     const auto x = particles[position];
     const auto pressures = particles[pressure];
     for_each(particles.size(), [&](Index i) {
-      Change change = changes.pressure[i];
+      Change change = changes.pressure[i] * volumes[i];
       if (!changes.friction.empty()) change += changes.friction[i];
       if (!changes.collision.empty()) change += changes.collision[i];
       all_[i] = {.position = x[i].template cast<double>(),

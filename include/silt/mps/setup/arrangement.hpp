@@ -44,9 +44,10 @@ void check_positions(const P& particles, const T& stencil) {
 }
 
 /// Throws if most fluid particles have far more neighbours than at the spacing l0 of the stencil,
-/// or several, but none near l0.
-template <FluidParticles P, class N, class T>
-[[gnu::cold]] void check_spacing(const P& particles, const N& neighbourhood, const T& stencil) {
+/// or several, but none near l0; with the volumes of BulkVolumes.
+template <FluidParticles P, class N, class T, class Volumes>
+[[gnu::cold]] void check_spacing(const P& particles, const N& neighbourhood, const T& stencil,
+                                 const Volumes& volumes) {
   const double l0 = double(stencil.spacing);
   const double q = double(stencil.re) / l0;
   // Number of neighbours in a random arrangement: the volume of the neighbourhood in l0^Dim.
@@ -59,7 +60,8 @@ template <FluidParticles P, class N, class T>
       const auto x_j = neighbourhood.position_of(row.index[k]);
       r2 = std::min(r2, (x_j - neighbourhood.position_of(i)).squaredNorm());
     }
-    return std::sqrt(double(r2));
+    // As if its volume was l0^Dim.
+    return std::sqrt(double(r2)) / std::pow(double(volumes[i]), 1.0 / P::dimension);
   };
   const Index own_crowded = detail::count_fluid(
       particles, [&](Index i) { return double(neighbourhood[i].size()) > too_many; });
@@ -131,7 +133,8 @@ template <FluidParticles P, class N, class T>
 template <FluidParticles P, class Operators>
 [[gnu::cold]] void check_arrangement(const P& particles, const Operators& operators,
                                      [[maybe_unused]] const Vec<P::dimension>& gravity) {
-  check_spacing(particles, operators.neighbourhood(), operators.stencil());
+  check_spacing(particles, operators.neighbourhood(), operators.stencil(),
+                operators.bulk_volumes());
   check_periodic_lattice(particles, operators.neighbourhood(), operators.stencil());
   if constexpr (requires { operators.walls().check_start(particles, operators, gravity); }) {
     operators.walls().check_start(particles, operators, gravity);

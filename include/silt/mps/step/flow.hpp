@@ -9,6 +9,7 @@
 #include <silt/linear/linear_system.hpp>
 #include <silt/mps/fluid/body_force.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/mixture.hpp>
 #include <silt/mps/fluid/step_changes.hpp>
 #include <silt/mps/policy/friction.hpp>
 #include <silt/mps/pressure/flow_pressure.hpp>
@@ -199,7 +200,7 @@ class BasicFlow {
       find_changes(particles, changes_.pressure, [&](Index i) -> Vec {
         return moves.change(i, factor * step.at(i).pressure_gradient(settings_.gradient, rise));
       });
-      record_.find_momentum_changes(particles, operators_.walls(), changes_);
+      record_.find_momentum_changes(particles, operators_, changes_);
     } while (operators_.change_velocities(particles, search, record_.momentum_changes(), settings_,
                                           record_.time(), time_step));
     return pressure_.report();
@@ -209,6 +210,12 @@ class BasicFlow {
   template <FluidParticles P>
   void correct(P& particles, double time_step) {
     apply_changes(changes_.pressure, particles, velocity);
+    if constexpr (ParticlesInMixture<P>) {
+      const Real per_change = -Real(settings_.density / time_step);
+      const auto gradient = particles[pressure_gradient];
+      for_each_of_fluid(particles,
+                        [&](Index i) { gradient[i] = per_change * changes_.pressure[i]; });
+    }
     if constexpr (Displaces<ShiftingOf<Scheme>>) {
       particles.refresh_ghosts(velocity);
       const auto step = view(particles, time_step);
@@ -270,6 +277,7 @@ class BasicFlow {
     changes_.clear();
     advection_.begin();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
+    if constexpr (ParticlesInMixture<P>) particles.refresh_ghosts(fluid_fraction, response);
     check_positions(particles, operators_.stencil());
     operators_.begin_step(record_.time(), time_step);
     timed(seconds_.neighbours, [&] { operators_.find(particles, search); });

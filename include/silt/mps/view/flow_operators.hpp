@@ -12,6 +12,7 @@
 #include <silt/mps/operator/operators.hpp>
 #include <silt/mps/scheme/flow_settings.hpp>
 #include <silt/mps/scheme/scheme.hpp>
+#include <silt/mps/view/bulk_volumes.hpp>
 #include <silt/mps/wall/walls.hpp>
 
 #include <algorithm>
@@ -61,6 +62,7 @@ class FlowOperators {
   using Stencil = mps::Stencil<Dim, Real, Kernel>;
   /// The stencil of the Laplacian, with its own effective radius.
   using LaplacianStencil = mps::Stencil<Dim, Real, LaplacianKernel>;
+  using BulkVolumes = mps::BulkVolumes<Scheme, Dim, Real>;
   /// The walls of the scheme in this flow.
   using Walls = typename WallsOf<Scheme>::template InFlow<Dim, Real>;
 
@@ -69,6 +71,7 @@ class FlowOperators {
       : stencil_({.spacing = settings.spacing, .radius = settings.radius}, settings.kernel),
         laplacian_stencil_({.spacing = settings.spacing, .radius = settings.laplacian_radius},
                            settings.laplacian.template weights<Dim>(settings.kernel)),
+        bulk_volumes_(settings.radius, stencil_, settings.laplacian_radius, laplacian_stencil_),
         walls_(settings.walls) {}
 
   /// Of density, gradient and divergence.
@@ -136,6 +139,7 @@ class FlowOperators {
   /// Finds the neighbours from the search, and the walls.
   template <FluidParticles P, class S>
   void find(const P& particles, const S& search) {
+    bulk_volumes_.find(particles);
     if constexpr (HidesNeighbours<Walls>) {
       walls_.locate(particles, search, *this);
       find(particles, search, walls_);
@@ -215,17 +219,26 @@ class FlowOperators {
     }
   }
 
+  /// See BulkVolumes.
+  const BulkVolumes& bulk_volumes() const noexcept { return bulk_volumes_; }
   /// n_i [-]      (5)
   Real density(Index i) const {
     Real n = neighbourhood_.density(i);
     for_each_image(i, [&](const auto& image) { n += image.weight; });
+    if constexpr (!BulkVolumes::are_one) n += bulk_volumes_.own_density(i);
     return n;
   }
-  /// N_i
-  Index neighbours(Index i) const {
-    Index number = neighbourhood_[i].size();
-    for_each_image(i, [&](const auto&) { ++number; });
-    return number;
+  /// N_i; with a scheme InMixture, that of a full lattice in the same bulk volume [-].
+  double neighbours(Index i) const {
+    if constexpr (BulkVolumes::are_one) {
+      Index number = neighbourhood_[i].size();
+      for_each_image(i, [&](const auto&) { ++number; });
+      return double(number);
+    } else {
+      Real number = bulk_volumes_[i] - 1;
+      for_each(i, [&](const auto& j) { number += bulk_volumes_[j.index]; });
+      return double(number);
+    }
   }
   /// The velocities u of the neighbours within stencil(), as input of an operator.
   template <class U>
@@ -236,12 +249,13 @@ class FlowOperators {
       });
     };
   }
-  /// ⟨∇²u⟩_i of velocities [1/(m s)]      (6)
+  /// ⟨∇²u⟩_i of velocities [1/(m s)]      (6), which keeps momentum
   template <class U>
   [[gnu::flatten]] Vec laplacian(Index i, const U& u) const {
     return mps::laplacian(laplacian_stencil_, Vec(u[i]), [&](auto&& f) {
       for_each_in_laplacian(i, [&](const auto& j) {
-        f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);
+        f(j.velocity(u), j.r_ij, bulk_volumes_.of_pair(i, j.index) * j.weight,
+          j.weight_over_square);
       });
     });
   }
@@ -249,9 +263,10 @@ class FlowOperators {
  private:
   template <class P, class S, class Visible>
   void find(const P& particles, const S& search, const Visible& visible) {
-    neighbourhood_.find(particles, search, stencil_, visible);
+    const VisibleVolumes<Visible, BulkVolumes> seen{visible, bulk_volumes_};
+    neighbourhood_.find(particles, search, stencil_, seen);
     if (!shares_neighbourhood()) {
-      laplacian_neighbourhood_.find(particles, search, laplacian_stencil_, visible);
+      laplacian_neighbourhood_.find(particles, search, laplacian_stencil_, seen);
     }
   }
   template <class N, class T, class F>
@@ -284,6 +299,7 @@ class FlowOperators {
 
   Stencil stencil_;
   LaplacianStencil laplacian_stencil_;
+  BulkVolumes bulk_volumes_;
   Neighbourhood<Dim, Real> neighbourhood_;            // within stencil_
   Neighbourhood<Dim, Real> laplacian_neighbourhood_;  // within laplacian_stencil_, if it differs
   Walls walls_;

@@ -36,6 +36,15 @@ class NeighbourView {
   const P& particles() const { return particles_; }
   Index index() const { return index_; }
   Kind kind() const { return particles_[mps::kind][index_]; }
+  /// Whether all particles have the volume l0^Dim, see BulkVolumes.
+  static constexpr bool have_equal_volumes = Operators::BulkVolumes::are_one;
+  /// See BulkVolumes::of_pair(), with neighbour j.
+  Real of_pair(Index j) const { return operators_.bulk_volumes().of_pair(index_, j); }
+  /// What the particle adds to the weights of its neighbours within the stencil of the Laplacian,
+  /// see OwnDensity [-]; 0 if all have equal volumes.
+  Real own_density_in_laplacian() const {
+    return operators_.bulk_volumes().own_density_in_laplacian(index_);
+  }
   /// Velocity of the particle [m/s].
   Vec velocity() const { return particles_[silt::velocity][index_]; }
   Real spacing() const { return stencil().spacing; }  ///< l0 [m]

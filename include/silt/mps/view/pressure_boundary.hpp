@@ -39,9 +39,8 @@ class PressureBoundary {
     for_each_inlined(particles.size(), [&](Index i) {
       const NeighbourView at(particles, operators, i);
       n[i] = operators.density(i);
-      const LocalDensity local{
-          .density = double(n[i] / stencil.n0),
-          .neighbours = double(operators.neighbours(i)) / double(stencil.neighbours)};
+      const LocalDensity local{.density = double(n[i] / stencil.n0),
+                               .neighbours = operators.neighbours(i) / double(stencil.neighbours)};
       on_surface[i] = is_on_surface(criterion, at, local) || operators.walls().is_dry(at);
       has_pressure_[i] = operators.walls().has_pressure(at.kind(), on_surface[i] != 0);
       if constexpr (HasOuterSurface<SurfaceOf<Scheme>>) {

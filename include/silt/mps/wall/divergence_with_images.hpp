@@ -43,7 +43,7 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
       distances[k] = r;
       slopes[k] = slope_at(r);
     }
-    if (!walls.sees_all(i)) {
+    if (!View::have_equal_volumes || !walls.sees_all(i)) {
       const float* const weights = row.weight + from;
       for (Index k = 0; k < size; ++k) {
         const Real weight = stencil.weight(distances[k]);

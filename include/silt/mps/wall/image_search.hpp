@@ -15,11 +15,12 @@
 
 namespace silt::mps {
 
-/// Adds row i: the images, closer than the reach, of particle i itself and of `others`.
-template <int Dim, class Real, class T>
+/// Adds row i: the images, closer than the reach, of particle i itself and of `others`; with the
+/// volumes of the particles, see BulkVolumes.
+template <int Dim, class Real, class T, class Volumes>
 void add_images(ImageRows<Dim, Real>& images, const FacesNearParticles<Dim>& near, Index i,
                 std::span<const std::uint32_t> others, const T& stencil,
-                const WallMotions<Dim>& motions) {
+                const WallMotions<Dim>& motions, const Volumes& volumes) {
   images.begin_row(i);
   const Vec<Dim> x_i = near.position(i);
   const double reach2 = squared(near.reach());
@@ -37,7 +38,9 @@ void add_images(ImageRows<Dim, Real>& images, const FacesNearParticles<Dim>& nea
           const double r2 = r_ij.squaredNorm();
           if (!(r2 < reach2)) continue;
           const double share = share_of(points[k]);
-          if (share > 0) images.add(i, k == 0 ? i : others[k - 1], share, Real(r2), stencil);
+          if (!(share > 0)) continue;
+          const Index j = k == 0 ? i : others[k - 1];
+          images.add(i, j, share * double(volumes[j]), Real(r2), stencil);
         }
         if (!near.faces().move()) return images.end_mirror(i, mirror, nullptr);
         static thread_local Buffer<PlaneOfMirror<Dim>> planes;  // keeps its capacity

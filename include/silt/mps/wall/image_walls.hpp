@@ -225,7 +225,7 @@ class ImageWalls::InFlow {
     images_.clear(particles.size());
     const auto& stencil = operators.stencil();
     for_each_of_images([&](Index i) {
-      if (!near_.sees_all(i)) find_images(search, stencil, i);
+      if (!near_.sees_all(i)) find_images(search, operators, i);
     });
     sizes_ = {double(stencil.re), double(stencil.n0), double(stencil.lambda)};
     owners_.resize(x.size());
@@ -283,7 +283,7 @@ class ImageWalls::InFlow {
       if (!near_.sees_all(i)) return;
       const auto row = neighbourhood[i];
       add_images(images_, near_, i, std::span<const std::uint32_t>(row.index, row.size()), stencil,
-                 motions_);
+                 motions_, operators.bulk_volumes());
     });
   }
 
@@ -384,13 +384,14 @@ class ImageWalls::InFlow {
 
   // Among the particles that the search finds, those that i does not see as well: it may see their
   // images.
-  template <class S, class T>
-  void find_images(const S& search, const T& stencil, Index i) {
+  template <class S, class Operators>
+  void find_images(const S& search, const Operators& operators, Index i) {
     static thread_local Buffer<std::uint32_t> candidates;  // keeps its capacity
     candidates.clear();
     search.for_each_neighbour(
         i, [](Index j, const auto&, auto) { candidates.push_back(std::uint32_t(j)); });
-    add_images(images_, near_, i, std::span<const std::uint32_t>(candidates), stencil, motions_);
+    add_images(images_, near_, i, std::span<const std::uint32_t>(candidates), operators.stencil(),
+               motions_, operators.bulk_volumes());
   }
   static std::shared_ptr<Faces<Dim>> faces_of_flow(const ImageWalls& walls) {
     if constexpr (Dim == 2) {
