@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Models of each concept: an archetype with exactly the required members, types of the library, and
 // types that lack one requirement.
+#include <silt/coupled/drag.hpp>
 #include <silt/dem.hpp>
 #include <silt/geometry/any_rigid_motion.hpp>
 #include <silt/geometry/given_motions.hpp>
@@ -148,6 +149,13 @@ struct DampingArchetype {
 };
 static_assert(Damping<DampingArchetype> && Damping<NoDamping> && Damping<GlobalDamping, float>);
 static_assert(!Damping<Nothing>);
+
+struct DragLawArchetype {
+  double coefficient(const coupled::GrainInFluid&) const;
+};
+static_assert(coupled::DragLaw<DragLawArchetype> && coupled::DragLaw<coupled::Ergun> &&
+              coupled::DragLaw<coupled::NoDrag>);
+static_assert(!coupled::DragLaw<Nothing>);
 
 struct ObserverArchetype {
   void operator()(const Grains&) const;

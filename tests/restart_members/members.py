@@ -99,7 +99,7 @@ NOT_STORED = {
     "MomentumChanges": all_of(LAST, "all_ saved_"),
     "Advection": {"moved_with_": ANEW},
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
-                      **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_"),
+                      **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_ bulk_volumes_"),
                       "walls_": "those that move; others have the same bits whenever they are found, see WallModel"},
     "WallMotions": {"mover_": "for_each_number() passes its state"},
     "MovingWallsInFlow": {**all_of(GIVEN, "groups_ is_solid_"), **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_"),
@@ -120,6 +120,11 @@ NOT_STORED = {
                          "solution_": "begins with the pressures of the particles"},
     "EnergyAccount": {"properties_": GIVEN},
     "FlowWatch": all_of(ANEW, "kinetic_ speed_of_step_ speed_of_walls_"),
+    # coupled
+    "FluidForces": {"drag_": GIVEN, **all_of("Coupled sets it by begin() before each of its steps", "fluid_ acted_for_ counts_"),
+                    "last_time_step_": "set_last_time_step() sets it before it is used"},
+    "Coupled": {"exchange_": ANEW, **all_of(ROLLBACK, "saved_grains_ saved_fractions_ saved_surface_"),
+                "thread_choice_": CLOCK},
     # solve
     "ConjugateGradient": {"settings_": GIVEN, "preconditioner_": "prepare() makes it anew in every solve",
                           **all_of(MEMORY, "r_ z_ p_ q_ partial_")},
@@ -191,6 +196,9 @@ NOT_SAVED = {
                    "time_": "set_time() sets it before it is used",
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     "ListOfStep": {"memory_": MEMORY},
+    # coupled
+    "Coupled": {"exchange_": ANEW, **all_of(SUCCESS, "time_ last_time_step_ steps_"), "thread_choice_": CLOCK,
+                "run_": "changed by run(), between steps"},
     # mps
     "BasicFlow": {"settings_": GIVEN,
                   **all_of(ANEW, "operators_ force_ friction_ changes_ advection_"),
@@ -198,7 +206,7 @@ NOT_SAVED = {
     "FlowRecord": {"viscous_limit_": GIVEN, "is_first_step_": ANEW,
                    "time_": "set_time() sets it before it is used", "work_of_walls_": ANEW},
     "FlowOperators": {**all_of(GIVEN, "stencil_ laplacian_stencil_"),
-                      **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_")},
+                      **all_of(ANEW, "neighbourhood_ laplacian_neighbourhood_ bulk_volumes_")},
     "WallMotions": {"mover_": "save() and restore() are those of the mover"},
     "MovingWallsInFlow": {**all_of(GIVEN, "groups_ is_solid_"),
                           **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_")},

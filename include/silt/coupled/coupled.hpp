@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: MIT
+// Grains in a fluid that does not resolve them: both simulations, as one.
+#pragma once
+
+#include <silt/core/buffer.hpp>
+#include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/run.hpp>
+#include <silt/core/thread_choice.hpp>
+#include <silt/core/types.hpp>
+#include <silt/coupled/coupled_checks.hpp>
+#include <silt/coupled/exchange.hpp>
+#include <silt/coupled/fluid_forces.hpp>
+#include <silt/coupled/grains_in_fluid.hpp>
+#include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/mixture.hpp>
+
+#include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+namespace silt::coupled {
+
+/// Grains smaller than the spacing l0 of a fluid, and the fluid, each a Simulation. Those of grains
+/// have Forces, of which the last part is a FluidForces; those of the fluid a flow with a scheme
+/// mps::InMixture. Model A of [Gidaspow1994]. The momentum of both changes by the impulses of
+/// gravity and walls, to round-off; velocities of grains are those at half steps, see Leapfrog.
+template <class GrainSimulation, class FluidSimulation>
+class Coupled {
+  using G = std::remove_cvref_t<decltype(std::declval<GrainSimulation>().particles())>;
+  using F = std::remove_cvref_t<decltype(std::declval<FluidSimulation>().particles())>;
+  static_assert(G::dimension == F::dimension,
+                "silt::coupled::Coupled: grains and fluid have different dimensions");
+  static_assert(ParticlesInFluid<G>,
+                "silt::coupled::Coupled: the first simulation needs grains with the fields of "
+                "coupled::GrainsInFluid<Dim>");
+  static_assert(mps::ParticlesInMixture<F>,
+                "silt::coupled::Coupled: the second simulation needs a flow with a scheme "
+                "mps::InMixture, of particles mps::FluidInMixture<Dim>");
+
+ public:
+  static constexpr int dimension = G::dimension;
+  using Real = typename G::Real;
+  using Vec = typename G::Vec;
+
+  /// Sets ε of the fluid. Throws if the two do not fit: other times, gravity or periodic sides; a
+  /// grain larger than l0, or on a wall of the flow; drag in a fluid without viscosity; less fluid
+  /// around a grain than in the closest packing.
+  Coupled(GrainSimulation grains, FluidSimulation fluid)
+      : grains_(std::move(grains)),
+        fluid_(std::move(fluid)),
+        exchange_({.spacing = settings().spacing,
+                   .density = settings().density,
+                   .viscosity = settings().viscosity,
+                   .radius = settings().radius},
+                  settings().gravity.template cast<Real>()),
+        time_(fluid_.time()) {
+    detail::require_common_setup(grains_, fluid_);
+    begin_forces();
+    exchange_.find_volumes(grains_.particles(), fluid_.particles());
+    exchange_.require_room(std::as_const(grains_).particles(), std::as_const(fluid_).particles());
+  }
+
+  double time() const noexcept { return time_; }                      ///< [s]
+  std::uint64_t steps() const noexcept { return steps_; }             ///< of the flow
+  double last_time_step() const noexcept { return last_time_step_; }  ///< of the flow [s]
+
+  /// That of the grains.
+  GrainSimulation& grains() noexcept { return grains_; }
+  /// That of the grains.
+  const GrainSimulation& grains() const noexcept { return grains_; }
+  /// That of the fluid.
+  FluidSimulation& fluid() noexcept { return fluid_; }
+  /// That of the fluid.
+  const FluidSimulation& fluid() const noexcept { return fluid_; }
+  /// Those of the fluid: for observers that ask for them.
+  F& particles() noexcept { return fluid_.particles(); }
+  const F& particles() const noexcept { return fluid_.particles(); }
+  /// The flow: for observers that ask for it.
+  const auto& interaction() const noexcept { return fluid_.interaction(); }
+
+  /// That of the flow [s], or less, so that no grain moves by more than its Courant number of
+  /// spacings.
+  double time_step() {
+    double fastest = 0;
+    for (const Vec& v : std::as_const(grains_).particles()[velocity]) {
+      fastest = std::max(fastest, double(v.norm()));
+    }
+    return std::min(fluid_.time_step(), settings().courant * settings().spacing / fastest);
+  }
+  void step() { step(time_step()); }
+  /// One step of the flow of dt [s], and those of the grains within it, with u and ∇P of the fluid
+  /// at its beginning. If one of them throws, both are as before.
+  void step(double dt) {
+    save();
+    try {
+      G& grains = grains_.particles();
+      F& fluid = fluid_.particles();
+      exchange_.find_volumes(grains, fluid);
+      const auto& forces = begin_forces();
+      exchange_.give_to_grains(
+          grains, fluid, dt,
+          [&](double diameter, double fluid_fraction, double speed, double immersed) {
+            return forces.coefficient(diameter, fluid_fraction, speed, immersed);
+          });
+      grains_.run({.until = time_ + dt, .end_exactly = true});
+      exchange_.give_to_fluid(grains, fluid, dt);
+      fluid_.step(dt);
+      exchange_.correct_grains(grains, fluid, dt, forces.acted_for());
+    } catch (...) {
+      restore();
+      throw;
+    }
+    time_ += dt;
+    last_time_step_ = dt;
+    ++steps_;
+  }
+  /// See Simulation::run().
+  template <class... Observers>
+    requires(Observer<Observers, Coupled> && ...)
+  bool run(const Run& run, Observers&&... observers) {
+    return silt::detail::RunLoop(*this, run, observers...).perform();
+  }
+
+  /// How far let_fluid_settle() goes.
+  struct Settling {
+    double tolerance = 1e-4;  ///< of the last move of a particle, over l0 [-]
+    int max_steps = 1000;     ///< of the flow
+  };
+  /// Before the first step: moves the fluid to where it rests between the grains, which are held,
+  /// by steps of the flow after each of which it has no velocity. Returns the last move, over l0
+  /// [-]. Throws after a step, and if the flow fails.
+  double let_fluid_settle(const Settling& settling = {}) {
+    if (steps_ > 0) {
+      fail("Coupled: let_fluid_settle() was called after a step; call it before the first one");
+    }
+    FluidSimulation trial = fluid_;
+    double moved = 0;
+    for (int n = 0; n < settling.max_steps; ++n) {
+      const double dt = trial.time_step();
+      trial.step(dt);
+      moved = 0;
+      for (auto&& u : trial.particles()[velocity]) {
+        moved = std::max(moved, double(u.norm()) * dt / settings().spacing);
+        u.setZero();
+      }
+      exchange_.find_volumes(grains_.particles(), trial.particles());
+      if (moved < settling.tolerance) break;
+    }
+    const F& settled = trial.particles();
+    F& fluid = fluid_.particles();
+    const auto copy = [&](auto field) {
+      const auto values = settled[field];
+      const auto own = fluid[field];
+      for (Index i = 0; i < fluid.size(); ++i) own[i] = values[settled.index_of(fluid.id(i))];
+    };
+    copy(position), copy(mps::pressure), copy(mps::pressure_gradient), copy(mps::surface);
+    exchange_.find_volumes(grains_.particles(), fluid);
+    return moved;
+  }
+
+  /// Writes or reads the state of both for a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive.within("grains", [&] { grains_.transfer(archive); });
+    archive.within("fluid", [&] { fluid_.transfer(archive); });
+    archive.finite([&] {
+      archive("time", time_);
+      archive("steps", steps_);
+      archive("last_time_step", last_time_step_);
+      run_.transfer(archive);
+    });
+    if constexpr (Archive::reads) detail::require_common_times(grains_, fluid_, time_);
+  }
+
+ private:
+  template <class, class...>
+  friend class silt::detail::RunLoop;
+
+  const auto& settings() const { return fluid_.interaction().settings(); }
+  // The part of the grains' interaction, which begins to sum impulses.
+  auto& begin_forces() {
+    auto& forces = detail::fluid_forces_of(grains_.interaction());
+    forces.begin(
+        {.density = settings().density, .viscosity = settings().density * settings().viscosity});
+    return forces;
+  }
+
+  void save() {
+    saved_grains_ = grains_;
+    const F& fluid = fluid_.particles();
+    const auto copy = [&](auto& saved, auto field) {
+      const auto values = fluid[field];
+      saved.assign(values.begin(), values.end());
+    };
+    copy(saved_fractions_, mps::fluid_fraction);
+    copy(saved_surface_, mps::surface);
+  }
+  void restore() {
+    grains_ = *saved_grains_;
+    F& fluid = fluid_.particles();
+    std::copy(saved_fractions_.begin(), saved_fractions_.end(), fluid[mps::fluid_fraction].begin());
+    std::copy(saved_surface_.begin(), saved_surface_.end(), fluid[mps::surface].begin());
+  }
+
+  GrainSimulation grains_;
+  FluidSimulation fluid_;
+  Exchange<G, F> exchange_;
+  double time_ = 0;
+  double last_time_step_ = 0;
+  std::uint64_t steps_ = 0;
+  std::optional<GrainSimulation> saved_grains_;
+  Buffer<Real> saved_fractions_;
+  Buffer<std::uint8_t> saved_surface_;
+  silt::detail::ThreadChoice thread_choice_;
+  silt::detail::RunState run_;
+};
+
+}  // namespace silt::coupled

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: MIT
+// What grains and the fluid around them exchange in a step: volume and momentum.
+#pragma once
+
+#include <silt/core/buffer.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
+#include <silt/core/nearest_image.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/types.hpp>
+#include <silt/coupled/grains_in_fluid.hpp>
+#include <silt/coupled/own_wake.hpp>
+#include <silt/coupled/weights.hpp>
+#include <silt/dem/setup/grains.hpp>
+#include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/mixture.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace silt::coupled {
+
+/// What all particles of the fluid have in common.
+struct FluidOfExchange {
+  double spacing;    ///< l0 [m]
+  double density;    ///< ρ [kg/m³]
+  double viscosity;  ///< ν [m²/s]
+  double radius;     ///< re/l0 of the flow [-]
+};
+
+/// The exchange of grains of type G with particles of a fluid of type F. In each step,
+/// find_volumes(), give_to_grains(), give_to_fluid() and correct_grains() are called in this order.
+/// In between, particles may be sorted in memory, and grains be removed.
+template <ParticlesInFluid G, mps::ParticlesInMixture F>
+class Exchange {
+ public:
+  static constexpr int dimension = G::dimension;
+  using Real = typename G::Real;
+  using Vec = typename G::Vec;
+
+  /// Gravity is in [m/s²].
+  Exchange(const FluidOfExchange& fluid, const Vec& gravity)
+      : fluid_(fluid),
+        gravity_(gravity),
+        reach_(Real(Weights<dimension, Real>::reach_for(fluid.radius) * fluid.spacing)),
+        mass_(Real(fluid.density * std::pow(fluid.spacing, dimension))) {}
+
+  /// The weights, the share χ of each grain that is immersed, and of each particle of the fluid
+  /// ε = l0^Dim/(l0^Dim + Σ_k W χ V) and the response of the grains to its pressure.
+  void find_volumes(G& grains, F& fluid) {
+    weights_.find(std::as_const(fluid)[position], std::as_const(grains)[position], fluid.box(),
+                  reach_);
+    find_immersion(grains, fluid);
+    const double particle = std::pow(fluid_.spacing, dimension);
+    const auto R = std::as_const(grains)[radius];
+    const auto immersed = std::as_const(grains)[immersion];
+    const auto m = std::as_const(grains)[mass];
+    const auto fraction = fluid[mps::fluid_fraction];
+    const auto response = fluid[mps::response];
+    for_each(fluid.size(), [&](Index i) {
+      double solid = 0, displaced = 0;
+      weights_.for_each_grain(i, [&](Index k, Real weight) {
+        const double volume = double(immersed_volume(R[k], immersed[k]));
+        solid += double(weight) * volume;
+        displaced += double(weight) * volume * fluid_.density * volume / double(m[k]);
+      });
+      fraction[i] = Real(particle / (particle + solid));
+      response[i] = Real(displaced / particle);
+    });
+  }
+  /// Throws if ε around a grain is less than between grains in the closest packing.
+  void require_room(const G& grains, const F& fluid) const {
+    const auto fraction = fluid[mps::fluid_fraction];
+    const auto mean_of = [&](Index k) {
+      double mean = 0;
+      weights_.for_each_particle(
+          k, [&](Index i, Real weight) { mean += double(weight * fraction[i]); });
+      return mean;
+    };
+    const Index dense = first_where(grains.size(), [&](Index k) {
+      return grains[immersion][k] > 0 && mean_of(k) < closest_packing;
+    });
+    if (dense == no_index) return;
+    fail({"Coupled: a fluid fraction of ", mean_of(dense), " around a grain at ",
+          to_text(Vec(grains[position][dense])), " m is less than in the closest packing, ",
+          closest_packing, "; let the grains overlap less, or begin with more fluid around them"},
+         {.particle = dense, .id = grains.id(dense)});
+  }
+
+  /// u, ε, −χ V ∇P and the mobility of the fluid around each grain. coefficient_of(diameter, ε,
+  /// speed, χ) is β of a grain, see FluidForces::coefficient(); the step has this length [s].
+  template <class CoefficientOf>
+  void give_to_grains(G& grains, const F& fluid, double time_step, CoefficientOf&& coefficient_of) {
+    remember_ids(grains, fluid);
+    const Index number = grains.size();
+    const auto u = fluid[velocity];
+    const auto fraction = fluid[mps::fluid_fraction];
+    const auto gradient = fluid[mps::pressure_gradient];
+    const auto immersed = std::as_const(grains)[immersion];
+    const auto wake = std::as_const(grains)[own_wake];
+    const auto R = std::as_const(grains)[radius];
+    const auto v = std::as_const(grains)[velocity];
+    const auto undisturbed = grains[fluid_velocity];
+    const auto accelerated = grains[fluid_acceleration];
+    const auto share = grains[fluid_share];
+    const auto of_pressure = grains[pressure_force];
+    const auto impulse = grains[drag_impulse];
+    means_.resize(number);
+    coefficients_.resize(number);
+    volumes_.resize(number);
+    for_each(number, [&](Index k) {
+      Vec mean = Vec::Zero(), of_gradients = Vec::Zero();
+      Real epsilon = 0;
+      weights_.for_each_particle(k, [&](Index i, Real weight) {
+        mean += weight * u[i];
+        of_gradients += weight * gradient[i];
+        epsilon += weight * fraction[i];
+      });
+      means_[k] = mean;
+      undisturbed[k] = mean - wake[k];
+      accelerated[k] = gravity_ - of_gradients / Real(fluid_.density);
+      share[k] = epsilon;
+      volumes_[k] = immersed_volume(R[k], immersed[k]);
+      of_pressure[k] = -volumes_[k] * of_gradients;
+      impulse[k] = Vec::Zero();
+      const double speed = double(Vec(undisturbed[k] - v[k]).norm());
+      coefficients_[k] =
+          immersed[k] > 0
+              ? Real(coefficient_of(2 * double(R[k]), double(epsilon), speed, double(immersed[k])))
+              : Real(0);
+    });
+    find_mobilities(grains, fluid.size(), time_step);
+  }
+
+  /// The acceleration of each particle of the fluid by the impulses that drag gave the grains in a
+  /// step of this length [s]: of grain k on particle i,
+  ///
+  ///   −W_ki [J_k + Δt β_k/(1 + Δt β_k D_k) (u_i − Σ_j W_kj u_j)].
+  ///
+  /// The second term has no sum: grains slow down the particles around them, each in its own
+  /// motion.
+  void give_to_fluid(const G& grains, F& fluid, double time_step) {
+    const auto impulse = grains[drag_impulse];
+    const auto x = grains[position];
+    const NearestImage<dimension, Real> nearest(grains.box());
+    impulses_.resize(ids_of_grains_.size());
+    velocities_.resize(ids_of_grains_.size());
+    for_each(impulses_.size(), [&](Index k) {
+      const Index now = grains.index_of(ids_of_grains_[k]);
+      impulses_[k] = velocities_[k] = Vec::Zero();
+      if (now == no_index) return;
+      impulses_[k] = impulse[now];
+      Vec move = x[now] - weights_.centre(k);
+      for (int a = 0; a < dimension; ++a) nearest.apply(a, move[a]);
+      velocities_[k] = move / Real(time_step);
+    });
+    find_rates(fluid);
+    const auto acceleration = fluid[mps::momentum_exchange];
+    const auto u = std::as_const(fluid)[velocity];
+    const Real dt = Real(time_step);
+    for_each(fluid.size(), [&](Index i) {
+      Vec sum = Vec::Zero();
+      weights_.for_each_grain(i, [&](Index k, Real weight) {
+        sum += weight * (impulses_[k] + dt * coefficients_[k] * (u[i] - means_[k]));
+      });
+      acceleration[i] = -sum / (mass_ * dt);
+    });
+  }
+
+  /// Gives the grains the impulse −χ V ∇P Δt of the step that the flow has made, less that of
+  /// pressure_force, which acted for a time [s] on them.
+  void correct_grains(G& grains, const F& fluid, double time_step, double acted_for) {
+    const OwnWake<dimension> of_one{fluid_.density, fluid_.viscosity,
+                                    Weights<dimension, Real>::width() * double(reach_)};
+    const auto gradient = fluid[mps::pressure_gradient];
+    const auto m = std::as_const(grains)[mass];
+    const auto u = std::as_const(grains)[fluid_velocity];
+    const auto impulse = std::as_const(grains)[drag_impulse];
+    const auto before = std::as_const(grains)[pressure_force];
+    const auto wake = grains[own_wake];
+    const auto v = grains[velocity];
+    places_.resize(ids_of_fluid_.size());
+    for_each(places_.size(),
+             [&](Index i) { places_[i] = std::uint32_t(fluid.index_of(ids_of_fluid_[i])); });
+    for_each(ids_of_grains_.size(), [&](Index k) {
+      const Index now = grains.index_of(ids_of_grains_[k]);
+      if (now == no_index) return;
+      const Vec relative = v[now] - u[now];
+      wake[now] = of_one.after(Vec(wake[now]), Vec(impulse[now]), double(relative.norm()),
+                               double(rates_of_others_[k]), time_step);
+      Vec of_gradients = Vec::Zero();
+      weights_.for_each_particle(
+          k, [&](Index i, Real weight) { of_gradients += weight * gradient[places_[i]]; });
+      const Vec force = -volumes_[k] * of_gradients;
+      v[now] += (Real(time_step) * force - Real(acted_for) * before[now]) / m[now];
+    });
+  }
+
+  /// Σ_i W_ki for which the weights were found last: 1 for every grain near the fluid.
+  const Weights<dimension, Real>& weights() const noexcept { return weights_; }
+
+ private:
+  // ε of hexagonal discs, and of close-packed spheres.
+  static constexpr double closest_packing = dimension == 2 ? 0.0931 : 0.2595;
+
+  static Real immersed_volume(Real R, Real immersed) {
+    return immersed * Real(dem::volume_of<dimension>(double(R)));
+  }
+
+  // χ is 1, unless particles of the free surface are around a grain: then it follows from what is
+  // around it, which half fills the reach of a grain whose centre is on the surface.
+  void find_immersion(G& grains, const F& fluid) {
+    const auto on_surface = fluid[mps::surface];
+    const auto fraction = fluid[mps::fluid_fraction];
+    const double full =
+        Weights<dimension, Real>::integral() * std::pow(double(reach_) / fluid_.spacing, dimension);
+    const auto immersed = grains[immersion];
+    for_each(grains.size(), [&](Index k) {
+      bool is_near_surface = false;
+      double content = 0;
+      weights_.for_each_particle(k, [&](Index i, Real weight) {
+        is_near_surface = is_near_surface || on_surface[i];
+        const double known = double(fraction[i]) > 0 ? double(fraction[i]) : 1;
+        content += double(weight * weights_.sum(k)) / known;
+      });
+      if (!is_near_surface) {
+        immersed[k] = content > 0 ? Real(1) : Real(0);
+      } else {
+        immersed[k] = Real(std::clamp(2 * content / full - 0.5, 0.0, 1.0));
+      }
+    });
+  }
+  // Dε/Dt = −ε²/l0^Dim Σ_k χ V dW_ki/dt, as the grains moved in the step.
+  void find_rates(F& fluid) {
+    const auto u = std::as_const(fluid)[velocity];
+    const auto fraction = std::as_const(fluid)[mps::fluid_fraction];
+    const auto rate = fluid[mps::fluid_fraction_rate];
+    solid_rates_.assign(fluid.size(), 0);
+    for (Index k = 0; k < weights_.grains(); ++k) {
+      if (!(volumes_[k] > 0)) continue;
+      weights_.for_each_rate(k, velocities_[k], u, [&](Index i, Real of_weight) {
+        solid_rates_[i] += volumes_[k] * of_weight;
+      });
+    }
+    const Real particle = Real(std::pow(fluid_.spacing, dimension));
+    for_each(fluid.size(),
+             [&](Index i) { rate[i] = -squared(fraction[i]) / particle * solid_rates_[i]; });
+  }
+  // Of all grains around a particle, each drags its share of it: D_k = Σ_i W_ki Σ_l W_li β_l/(β_k
+  // m).
+  void find_mobilities(G& grains, Index particles, double time_step) {
+    of_particles_.resize(particles);
+    for_each(particles, [&](Index i) {
+      Real sum = 0;
+      weights_.for_each_grain(i, [&](Index k, Real weight) { sum += weight * coefficients_[k]; });
+      of_particles_[i] = sum;
+    });
+    const auto mobility = grains[fluid_mobility];
+    rates_of_others_.resize(grains.size());
+    for_each(grains.size(), [&](Index k) {
+      Real of_all = 0, own = 0;
+      weights_.for_each_particle(k, [&](Index i, Real weight) {
+        of_all += weight * of_particles_[i];
+        own += weight * weight * coefficients_[k];
+      });
+      mobility[k] = coefficients_[k] > 0 ? of_all / (coefficients_[k] * mass_) : Real(0);
+      rates_of_others_[k] = std::max(of_all - own, Real(0)) / mass_;
+      coefficients_[k] /= 1 + Real(time_step) * of_all / mass_;
+    });
+  }
+  void remember_ids(const G& grains, const F& fluid) {
+    ids_of_grains_.resize(grains.size());
+    for_each(grains.size(), [&](Index k) { ids_of_grains_[k] = grains.id(k); });
+    ids_of_fluid_.resize(fluid.size());
+    for_each(fluid.size(), [&](Index i) { ids_of_fluid_[i] = fluid.id(i); });
+  }
+
+  FluidOfExchange fluid_;
+  Vec gravity_;
+  Real reach_;  // of the weights [m]
+  Real mass_;   // of a particle of the fluid [kg]
+  Weights<dimension, Real> weights_;
+  // In the order of the weights, by grain and by particle.
+  Buffer<Id> ids_of_grains_, ids_of_fluid_;
+  Buffer<std::uint32_t> places_;  // of the particles, after they were sorted
+  Buffer<Vec> means_;             // Σ_i W u [m/s]
+  Buffer<Real> coefficients_;     // β, and later β/(1 + Δt β D) [kg/s]
+  Buffer<Real> of_particles_;     // Σ_k W β [kg/s]
+  Buffer<Real> rates_of_others_;  // of the drag by other grains [1/s]
+  Buffer<Real> volumes_;          // χ V [m³]
+  Buffer<Vec> impulses_;          // of drag [N s]
+  Buffer<Vec> velocities_;        // mean ones of the grains in the step [m/s]
+  Buffer<Real> solid_rates_;      // Σ_k χ V dW_ki/dt [m³/s]
+};
+
+}  // namespace silt::coupled
