@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Grains in water that does not resolve them: volume and momentum are kept, a step is undone in
 // both, and what does not fit is refused.
-#include <silt/coupled/coupled.hpp>
-#include <silt/coupled/make_room.hpp>
-#include <silt/dem.hpp>
+#include <silt/coupled.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/io/checkpoint.hpp>
-#include <silt/mps.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"

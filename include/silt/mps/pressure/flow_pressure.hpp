@@ -17,7 +17,6 @@
 #include <silt/mps/pressure/pressure_rise.hpp>
 #include <silt/mps/pressure/solve_check.hpp>
 #include <silt/mps/record/flow_seconds.hpp>
-#include <silt/mps/scheme/mixture.hpp>
 #include <silt/mps/scheme/scheme.hpp>
 #include <silt/mps/view/flow_operators.hpp>
 #include <silt/mps/view/particle_view.hpp>

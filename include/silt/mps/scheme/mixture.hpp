@@ -19,8 +19,4 @@ struct InMixture : Base {
   static constexpr bool is_in_mixture = true;  ///< by which the flow knows it
 };
 
-/// Whether a scheme is one InMixture, or derived from one.
-template <class Scheme>
-inline constexpr bool is_in_mixture = requires { requires Scheme::is_in_mixture; };
-
 }  // namespace silt::mps

@@ -68,6 +68,9 @@ using WallStressOf = std::remove_cv_t<decltype(Scheme::wall_stress)>;
 /// Type of the policy `laplacian` of a scheme.
 template <class Scheme>
 using LaplacianOf = std::remove_cv_t<decltype(Scheme::laplacian)>;
+/// Whether a scheme is one InMixture, or derived from one: see silt/mps/scheme/mixture.hpp.
+template <class Scheme>
+inline constexpr bool is_in_mixture = requires { requires Scheme::is_in_mixture; };
 
 namespace detail {
 

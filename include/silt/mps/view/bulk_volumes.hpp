@@ -9,7 +9,7 @@
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/mixture.hpp>
 #include <silt/mps/operator/own_density.hpp>
-#include <silt/mps/scheme/mixture.hpp>
+#include <silt/mps/scheme/scheme.hpp>
 
 #include <algorithm>
 #include <cmath>
