@@ -122,6 +122,7 @@ NOT_STORED = {
     "FlowWatch": all_of(ANEW, "kinetic_ speed_of_step_ speed_of_walls_"),
     # coupled
     "FluidForces": {"drag_": GIVEN, **all_of("Coupled sets it by begin() before each of its steps", "fluid_ acted_for_ counts_"),
+                    "saved_": ROLLBACK,
                     "last_time_step_": "set_last_time_step() sets it before it is used"},
     "Coupled": {"exchange_": ANEW, **all_of(ROLLBACK, "saved_grains_ saved_fractions_ saved_surface_"),
                 "thread_choice_": CLOCK},
@@ -197,6 +198,8 @@ NOT_SAVED = {
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     "ListOfStep": {"memory_": MEMORY},
     # coupled
+    "FluidForces": {"drag_": GIVEN, "last_time_step_": "set_last_time_step() sets it before it is used",
+                    **all_of("begin() sets it, between steps", "fluid_ counts_")},
     "Coupled": {"exchange_": ANEW, **all_of(SUCCESS, "time_ last_time_step_ steps_"), "thread_choice_": CLOCK,
                 "run_": "changed by run(), between steps"},
     # mps

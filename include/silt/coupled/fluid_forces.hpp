@@ -26,7 +26,12 @@ class FluidForces {
   /// The drag law with its parameters.
   explicit FluidForces(Drag drag) : drag_(std::move(drag)) {}
   // A copy is a trial, of which Leapfrog makes one in its first step: its impulses do not count.
-  FluidForces(const FluidForces& other) : drag_(other.drag_), fluid_(other.fluid_) {}
+  FluidForces(const FluidForces& other)
+      : drag_(other.drag_),
+        fluid_(other.fluid_),
+        last_time_step_(other.last_time_step_),
+        acted_for_(other.acted_for_),
+        saved_(other.saved_) {}
   FluidForces(FluidForces&&) = default;
   FluidForces& operator=(const FluidForces& other) { return *this = FluidForces(other); }
   FluidForces& operator=(FluidForces&&) = default;
@@ -55,6 +60,9 @@ class FluidForces {
                                          .density = fluid_.density,
                                          .viscosity = fluid_.viscosity});
   }
+  /// A step that fails has not acted.
+  void save() noexcept { saved_ = acted_for_; }
+  void restore() noexcept { acted_for_ = saved_; }
   /// Called by Leapfrog, see DependsOnLastTimeStep.
   void set_last_time_step(double dt) { last_time_step_ = dt; }
 
@@ -116,6 +124,7 @@ class FluidForces {
   Fluid fluid_;
   double last_time_step_ = 0;
   double acted_for_ = 0;
+  double saved_ = 0;
   bool counts_ = false;
 };
 
