@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/field_numbers.hpp>
 #include <silt/core/fields.hpp>
+#include <silt/core/particles.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 
