@@ -197,9 +197,6 @@ class Exchange {
     });
   }
 
-  /// Σ_i W_ki for which the weights were found last: 1 for every grain near the fluid.
-  const Weights<dimension, Real>& weights() const noexcept { return weights_; }
-
  private:
   // ε of hexagonal discs, and of close-packed spheres.
   static constexpr double closest_packing = dimension == 2 ? 0.0931 : 0.2595;
@@ -247,8 +244,7 @@ class Exchange {
     for_each(fluid.size(),
              [&](Index i) { rate[i] = -squared(fraction[i]) / particle * solid_rates_[i]; });
   }
-  // Of all grains around a particle, each drags its share of it: D_k = Σ_i W_ki Σ_l W_li β_l/(β_k
-  // m).
+  // D_k = Σ_i W_ki Σ_l W_li β_l/(β_k m): of all grains around a particle, each drags its share of it.
   void find_mobilities(G& grains, Index particles, double time_step) {
     of_particles_.resize(particles);
     for_each(particles, [&](Index i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The velocity of the fluid around a grain that is by the grain itself. Drag laws take the
 // undisturbed velocity; a grain that drags the fluid with it would be slowed down too little, by a
-// third at d = l0/2.
+// quarter at d = l0/2.
 #pragma once
 
 #include <silt/core/types.hpp>

@@ -69,17 +69,22 @@ class Weights {
   void for_each_rate(Index k, const Vec& v_k, const Velocities& u, F&& f) const {
     const Row row = rows_[k];
     const Set& set = sets_[row.set];
-    const auto rate_of = [&](Index n) {
+    static thread_local Buffer<Real> rates;  // of w(r_ki)/Σ w alone; keeps its capacity
+    rates.clear();
+    Real sum = 0;
+    for (Index n = row.first; n < row.end; ++n) {
       const Vec r = points_[set.point[n]] - centres_[k];
       const Real distance = r.norm();
-      if (!(distance > 0)) return Real(0);
-      const Real slope = mps::WendlandKernel::slope(distance / reach_) / reach_;
-      return slope / distance * r.dot(u[owners_[set.point[n]]] - v_k) / sums_[k];
-    };
-    Real sum = 0;
-    for (Index n = row.first; n < row.end; ++n) sum += rate_of(n);
+      Real rate = 0;
+      if (distance > 0) {
+        const Real slope = mps::WendlandKernel::slope(distance / reach_) / reach_;
+        rate = slope / distance * r.dot(u[owners_[set.point[n]]] - v_k) / sums_[k];
+      }
+      rates.push_back(rate);
+      sum += rate;
+    }
     for (Index n = row.first; n < row.end; ++n) {
-      f(Index(owners_[set.point[n]]), rate_of(n) - set.weight[n] * sum);
+      f(Index(owners_[set.point[n]]), rates[n - row.first] - set.weight[n] * sum);
     }
   }
   /// f(k, W) for the grains around fluid particle i.

@@ -18,7 +18,6 @@ inline constexpr struct momentum_exchange_t : vector_field {
 } momentum_exchange{};  ///< acceleration by the second phase, in the next step [m/s²]
 inline constexpr struct pressure_gradient_t : vector_field {
 } pressure_gradient{};  ///< ∇P that changed the velocity in the last step [Pa/m]
-
 inline constexpr struct response_t : scalar_field {
 } response{};  ///< R: the second phase accelerates by −R ε/((1 − ε) ρ) of a change of ∇P [-]
 
