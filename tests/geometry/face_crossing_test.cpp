@@ -78,6 +78,17 @@ TEST(FaceCrossing, IsNotFoundWhereFacesTouchAndSlide) {
   }
   EXPECT_TRUE(crosses_in_step(tank, gate, shift_by({0, 0, -0.01})));
   EXPECT_TRUE(crosses_in_step(tank, gate, shift_by({0, 0.01, 0})));
+  // A piston that fills a tank of any height, where the diagonals of the walls meet its corner.
+  Sides<3> lowest{};
+  lowest.lower[2] = true;
+  const Box<3> shaft{.lower = {0, 0, 0}, .upper = {0.16, 0.16, 1.1}};
+  for (double z = 0; z < 0.05; z += 0.00017) {
+    Surface<3> piston = faces_of(shaft, lowest);
+    for (Face<3>& face : piston) {
+      for (Vec<3>& corner : face.corners) corner[2] = z;
+    }
+    EXPECT_FALSE(crosses_in_step(faces_of(shaft), piston, shift_by({0, 0, 1e-3}))) << z;
+  }
   // A flap that turns about its lower edge, on the floor, between the sides.
   const Surface<3> flap{{{Vec<3>(0.5, 0, 0), Vec<3>(0.5, 1, 0), Vec<3>(0.5, 1, 0.9)}},
                         {{Vec<3>(0.5, 0, 0), Vec<3>(0.5, 1, 0.9), Vec<3>(0.5, 0, 0.9)}}};

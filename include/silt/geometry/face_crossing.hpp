@@ -30,12 +30,13 @@ namespace detail {
 template <int Dim>
 using CornersOfFace = std::array<Vec<Dim>, std::size_t(Dim)>;
 
-/// Whether x, a point in the plane of a face, is in the face, and farther than the tolerance [m] from
-/// the rim of its facet.
+/// Whether x, a point in the plane of a face, is in the face, and farther than the tolerance [m]
+/// from the rim of its facet. Over its other edges it may be by round-off only: with more, it could
+/// be on the rim of the next face.
 template <int Dim>
 bool is_within_rim(const FaceOfSurface<Dim>& face, const Vec<Dim>& x, double tolerance) {
   for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-    if (!(face.inside(k, x) > (face.is_rim[k] ? tolerance : -tolerance))) return false;
+    if (!(face.inside(k, x) > (face.is_rim[k] ? tolerance : -1e-6 * tolerance))) return false;
   }
   return true;
 }
