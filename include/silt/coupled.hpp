@@ -7,6 +7,7 @@
 #include <silt/coupled/fluid_forces.hpp>
 #include <silt/coupled/grains_in_fluid.hpp>
 #include <silt/coupled/make_room.hpp>
+#include <silt/coupled/observers.hpp>
 #include <silt/dem.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/scheme/mixture.hpp>

@@ -4,13 +4,17 @@
 #include <silt/coupled.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/file.hpp>
+#include <silt/io/vtk.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -24,10 +28,12 @@ constexpr double g = 9.81;     // [m/s²]
 constexpr double depth = 0.2;  // of the water [m]
 constexpr double side = 0.16;  // of the tank [m]
 
-/// Drag per metre of depth.
+/// Drag per metre of depth, which fails after some calls.
 struct DragOfDiscs {
+  static inline std::atomic<int> calls_left = std::numeric_limits<int>::max();
   double factor = 10;
   double coefficient(const coupled::GrainInFluid& at) const {
+    if (calls_left-- <= 0) fail("DragOfDiscs: no calls are left");
     return factor * at.viscosity / at.fluid_fraction + 100 * at.speed * at.diameter;
   }
 };
@@ -194,7 +200,7 @@ TYPED_TEST(Coupled, HaveTheSameBitsOnAnyThreadsAfterARestartAndAFailedStep) {
   // The only test of the state of both: threads, checkpoint, and what a step undoes in both.
   constexpr int Dim = TypeParam::value;
   const auto begin = [] {
-    return Scene<Dim>{.grains = scattered<Dim>(1.5 * l0, 0.8 * depth)}.coupled();
+    return Scene<Dim, DragOfDiscs>{.grains = scattered<Dim>(1.5 * l0, 0.8 * depth)}.coupled();
   };
   const auto hash = [](const auto& both) {
     std::vector<double> numbers{both.time()};
@@ -219,9 +225,18 @@ TYPED_TEST(Coupled, HaveTheSameBitsOnAnyThreadsAfterARestartAndAFailedStep) {
     auto second = begin();
     for (int step = 0; step < 6; ++step) {
       if (step == 2 || step == 4) {
-        // The grains go their way, and then the flow refuses the step.
         const auto before = hash(second);
-        EXPECT_THROW(second.step(0.1), Error);
+        if (step == 2) {
+          // The grains go their way, and then the flow refuses the step.
+          EXPECT_THROW(second.step(0.1), Error);
+        } else {
+          // The grains fail in one of their steps.
+          const int steps_of_grains = int(second.grains().steps());
+          DragOfDiscs::calls_left = int(3.5 * double(second.grains().particles().size()));
+          EXPECT_THROW(second.step(), Error);
+          DragOfDiscs::calls_left = std::numeric_limits<int>::max();
+          EXPECT_EQ(int(second.grains().steps()), steps_of_grains);
+        }
         EXPECT_EQ(before, hash(second));
       }
       second.step();
@@ -233,6 +248,46 @@ TYPED_TEST(Coupled, HaveTheSameBitsOnAnyThreadsAfterARestartAndAFailedStep) {
     EXPECT_EQ(hash(first), hash(third)) << threads;
   }
   use_threads(1);
+}
+
+struct CountsSteps {
+  std::uint64_t& steps;
+  template <class Sim>
+  void after_step(const Sim& simulation, const silt::Run&) {
+    steps = simulation.steps();
+  }
+};
+struct RemovesOne {
+  template <class Sim>
+  void before_step(Sim& fluid) const {
+    if (fluid.steps() == 1) fluid.particles().remove_if([](Index i) { return i == 0; });
+  }
+};
+
+TEST(CoupledObservers, SeeTheSimulationTheyAreOf) {
+  // The only test of OfGrains and OfFluid, and of a series of frames of both.
+  auto both = Scene<2>{.grains = {Vec<2>(0.43 * side, 0.43 * side)}}.coupled();
+  const Folder folder;
+  Index outputs = 0;
+  std::uint64_t steps = 0;
+  auto counts = [&](const auto& simulation) {
+    EXPECT_EQ(simulation.particles().size(), 1u);
+    ++outputs;
+  };
+  const Index before = both.fluid().particles().size();
+  both.run({.until = 2.5 * both.time_step()}, coupled::OfGrains{counts},
+           coupled::OfFluid{CountsSteps{steps}}, coupled::OfFluid{RemovesOne{}},
+           VtkSeries{folder.path / "both"});
+  EXPECT_EQ(outputs, 2u);
+  EXPECT_EQ(steps, both.fluid().steps());
+  EXPECT_EQ(both.fluid().particles().size(), before - 1);
+  const std::string list = file::read("test", folder.path / "both.pvd");
+  for (const std::string entry : {"timestep=\"0\" part=\"0\" file=\"both/both_grains_000000.vtu\"",
+                                  "part=\"1\" file=\"both/both_fluid_000001.vtu\""}) {
+    EXPECT_NE(list.find(entry), std::string::npos) << list;
+  }
+  const std::string frame = file::read("test", folder.path / "both" / "both_grains_000001.vtu");
+  EXPECT_NE(frame.find("NumberOfPoints=\"1\""), std::string::npos);
 }
 
 TEST(CoupledChecks, RefuseWhatDoesNotFit) {

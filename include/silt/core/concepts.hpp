@@ -18,6 +18,7 @@
 
 #include <concepts>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace silt {
@@ -300,6 +301,17 @@ template <class D, class Real = double>
 concept Damping = requires(const D d, Real v, Real a, Real dt) {
   { d.kicked(v, a, dt) } -> std::convertible_to<Real>;
 };
+
+namespace detail {
+struct CallWithSimulation {
+  void operator()(std::string_view name, const auto& simulation) const;
+};
+}  // namespace detail
+/// s.for_each_simulation(f) calls f(name, simulation) with each of several simulations that are
+/// advanced together. Model: coupled::Coupled.
+template <class Sim>
+concept ConsistsOfSimulations =
+    requires(const Sim& s) { s.for_each_simulation(detail::CallWithSimulation{}); };
 
 struct Run;
 

@@ -55,7 +55,7 @@ class Coupled {
         exchange_({.spacing = settings().spacing,
                    .density = settings().density,
                    .viscosity = settings().viscosity,
-                   .radius = settings().radius},
+                   .radius = std::min(settings().radius, settings().laplacian_radius)},
                   settings().gravity.template cast<Real>()),
         time_(fluid_.time()) {
     detail::require_common_setup(grains_, fluid_);
@@ -68,6 +68,9 @@ class Coupled {
   std::uint64_t steps() const noexcept { return steps_; }             ///< of the flow
   double last_time_step() const noexcept { return last_time_step_; }  ///< of the flow [s]
 
+  /// Whether a checkpoint was read.
+  bool was_read() const noexcept { return fluid_.was_read(); }
+
   /// That of the grains.
   GrainSimulation& grains() noexcept { return grains_; }
   /// That of the grains.
@@ -76,6 +79,12 @@ class Coupled {
   FluidSimulation& fluid() noexcept { return fluid_; }
   /// That of the fluid.
   const FluidSimulation& fluid() const noexcept { return fluid_; }
+  /// f(name, simulation) of both: VtkSeries writes a series of them.
+  template <class F>
+  void for_each_simulation(F&& f) const {
+    f("grains", grains_);
+    f("fluid", fluid_);
+  }
   /// Those of the fluid: for observers that ask for them.
   F& particles() noexcept { return fluid_.particles(); }
   const F& particles() const noexcept { return fluid_.particles(); }

@@ -33,6 +33,12 @@ inline std::vector<Face<3>> faces_of(const std::vector<Triangle<>>& triangles) {
   for (const Triangle<>& triangle : triangles) faces.push_back({triangle.corners});
   return faces;
 }
+/// The triangles of faces, for dem::MeshWall and write_stl().
+inline std::vector<Triangle<>> triangles_of(const std::vector<Face<3>>& faces) {
+  std::vector<Triangle<>> triangles;
+  for (const Face<3>& face : faces) triangles.push_back({face.corners});
+  return triangles;
+}
 
 /// Which sides of a box have faces: those across axis k, at the lower and at the upper end.
 template <int Dim>

@@ -4,15 +4,21 @@
 //   VtkSeries{"out/tower"}   out/tower.pvd                list of frames and times: open this file
 //                            out/tower/tower_000000.vtu   one frame: particles with their fields
 //
+// Of several simulations in one, such as coupled::Coupled, each writes a file of a frame,
+// out/lake/lake_grains_000000.vtu and out/lake/lake_fluid_000000.vtu, which the list names
+// together.
+//
 // Several processes write a piece of a frame each, out/tower/tower_000000_3.vtu, and the first one
 // out/tower/tower_000000.pvtu, which names them.
 //
-// A frame is an unstructured grid of vertices. Each array is stored in its XML element, in base64 and
-// preceded by its size in bytes. Raw bytes after the XML ("appended") would need 3/4 of the space, but
-// some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its expat).
+// A frame is an unstructured grid of vertices. Each array is stored in its XML element, in base64
+// and preceded by its size in bytes. Raw bytes after the XML ("appended") would need 3/4 of the
+// space, but some programs cannot read them, such as ParaView 5.11 of Debian 12 (its VTK with its
+// expat).
 #pragma once
 
 #include <silt/core/buffer.hpp>
+#include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/field_view.hpp>
 #include <silt/core/fields.hpp>
@@ -239,6 +245,16 @@ class VtkSeries {
     const auto particles = simulation.snapshot();
     write(double(simulation.time()), was_read, process_of(particles), vtk_frame(particles));
   }
+  /// The same of several simulations in one.
+  template <class Sim>
+    requires ConsistsOfSimulations<Sim>
+  [[gnu::cold]] void operator()(const Sim& simulation) {
+    std::vector<Part> parts;
+    simulation.for_each_simulation([&](std::string_view name, const auto& each) {
+      parts.push_back({std::string(name), vtk_frame(each.snapshot())});
+    });
+    write(double(simulation.time()), simulation.was_read(), Process{}, parts);
+  }
 
   /// Number of frames written so far.
   Index frames() const noexcept { return times_.size(); }
@@ -252,42 +268,56 @@ class VtkSeries {
   }
 
  protected:
+  /// One of the files of a frame.
+  struct Part {
+    std::string name;   // empty if it is the only one
+    std::string frame;  // bytes
+  };
   /// Writes the next frame [s]. Like all that runs once for a frame, it is compiled for a small
   /// program. Throws silt::Error if a file cannot be written.
   [[gnu::cold]] void write(double time, bool is_resumed, const Process& process,
                            const std::string& frame) {
+    write(time, is_resumed, process, std::vector<Part>{{"", frame}});
+  }
+  /// The same in several files. Those that processes share are in one.
+  [[gnu::cold]] void write(double time, bool is_resumed, const Process& process,
+                           const std::vector<Part>& parts) {
     if (times_.empty() && is_resumed && !was_read_) times_ = listed_before(time);
     if (times_.empty() || times_.back() != time) times_.push_back(time);
     const Index number = times_.size() - 1;
-    const auto piece = [&](int rank) {
-      return message_of({frame_name(number), "_", rank, of_one});
-    };
-    if (process.count > 1) {
-      file::replace("VtkSeries", folder_ / piece(process.rank), frame);
-      if (process.rank > 0) return;
-      std::vector<std::string> pieces;
-      for (int rank = 0; rank < process.count; ++rank) pieces.push_back(piece(rank));
-      file::replace("VtkSeries", folder_ / (frame_name(number) + of_pieces),
-                    vtk_frame_of_pieces(frame, pieces));
-    } else {
-      file::replace("VtkSeries", folder_ / (frame_name(number) + of_one), frame);
+    for (const Part& part : parts) {
+      const std::string name = frame_name(number, part.name);
+      const auto piece = [&](int rank) { return message_of({name, "_", rank, of_one}); };
+      if (process.count > 1) {
+        file::replace("VtkSeries", folder_ / piece(process.rank), part.frame);
+        if (process.rank > 0) return;
+        std::vector<std::string> pieces;
+        for (int rank = 0; rank < process.count; ++rank) pieces.push_back(piece(rank));
+        file::replace("VtkSeries", folder_ / (name + of_pieces),
+                      vtk_frame_of_pieces(part.frame, pieces));
+      } else {
+        file::replace("VtkSeries", folder_ / (name + of_one), part.frame);
+      }
+      // Of an earlier run, on another number of processes.
+      std::error_code ignored;
+      std::filesystem::remove(folder_ / (name + (process.count > 1 ? of_one : of_pieces)), ignored);
     }
-    // Of an earlier run, on another number of processes.
-    std::error_code ignored;
-    std::filesystem::remove(folder_ / (frame_name(number) + (process.count > 1 ? of_one : of_pieces)),
-                            ignored);
 
     while (is_in_pieces_.size() < times_.size()) {
-      const auto name = frame_name(is_in_pieces_.size());
+      const auto name = frame_name(is_in_pieces_.size(), parts.front().name);
       is_in_pieces_.push_back(file::exists("VtkSeries", folder_ / (name + of_pieces)));
     }
     is_in_pieces_[number] = process.count > 1;
 
     std::string list;
     for (Index k = 0; k < times_.size(); ++k) {
-      list += message_of({"<DataSet ", time_begins, file::digits(times_[k]), "\" file=\"",
-                          folder_.filename().string(), "/", frame_name(k),
-                          is_in_pieces_[k] ? of_pieces : of_one, "\"/>\n"});
+      for (Index n = 0; n < parts.size(); ++n) {
+        list += message_of({"<DataSet ", time_begins, file::digits(times_[k]), "\""});
+        if (parts.size() > 1) list += message_of({" part=\"", n, "\""});
+        list +=
+            message_of({" file=\"", folder_.filename().string(), "/", frame_name(k, parts[n].name),
+                        is_in_pieces_[k] ? of_pieces : of_one, "\"/>\n"});
+      }
     }
     file::replace(
         "VtkSeries", list_path(),
@@ -306,10 +336,10 @@ class VtkSeries {
     path += ".pvd";
     return path;
   }
-  [[gnu::cold]] std::string frame_name(Index k) const {
+  [[gnu::cold]] std::string frame_name(Index k, const std::string& part) const {
     std::string number = std::to_string(k);
     number.insert(0, number.size() < 6 ? 6 - number.size() : 0, '0');
-    return message_of({folder_.filename().string(), "_", number});
+    return message_of({folder_.filename().string(), part.empty() ? "" : "_", part, "_", number});
   }
 
   // The times of the listed frames of an earlier run before `time`.
@@ -323,7 +353,7 @@ class VtkSeries {
       const auto listed =
           file::number(std::string_view(list).substr(from, list.find('"', from) - from));
       if (!listed || !(*listed < time)) break;
-      times.push_back(*listed);
+      if (times.empty() || times.back() < *listed) times.push_back(*listed);
     }
     return times;
   }
