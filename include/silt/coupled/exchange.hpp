@@ -14,9 +14,11 @@
 #include <silt/dem/setup/grains.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/mixture.hpp>
+#include <silt/mps/operator/own_density.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 namespace silt::coupled {
@@ -26,7 +28,7 @@ struct FluidOfExchange {
   double spacing;    ///< l0 [m]
   double density;    ///< ρ [kg/m³]
   double viscosity;  ///< ν [m²/s]
-  double radius;     ///< re/l0 of the flow [-]
+  double radius;     ///< re/l0 of the flow, the smaller one [-]
 };
 
 /// The exchange of grains of type G with particles of a fluid of type F. In each step,
@@ -52,6 +54,7 @@ class Exchange {
     weights_.find(std::as_const(fluid)[position], std::as_const(grains)[position], fluid.box(),
                   reach_);
     find_immersion(grains, fluid);
+    leave_fluid_on_surface(grains, fluid);
     const double particle = std::pow(fluid_.spacing, dimension);
     const auto R = std::as_const(grains)[radius];
     const auto immersed = std::as_const(grains)[immersion];
@@ -59,13 +62,12 @@ class Exchange {
     const auto fraction = fluid[mps::fluid_fraction];
     const auto response = fluid[mps::response];
     for_each(fluid.size(), [&](Index i) {
-      double solid = 0, displaced = 0;
+      double displaced = 0;
       weights_.for_each_grain(i, [&](Index k, Real weight) {
         const double volume = double(immersed_volume(R[k], immersed[k]));
-        solid += double(weight) * volume;
         displaced += double(weight) * volume * fluid_.density * volume / double(m[k]);
       });
-      fraction[i] = Real(particle / (particle + solid));
+      fraction[i] = Real(particle / (particle + solid_around(grains, i)));
       response[i] = Real(displaced / particle);
     });
   }
@@ -205,14 +207,17 @@ class Exchange {
     return immersed * Real(dem::volume_of<dimension>(double(R)));
   }
 
-  // χ is 1, unless particles of the free surface are around a grain: then it follows from what is
-  // around it, which half fills the reach of a grain whose centre is on the surface.
+  // χ follows from the share of the reach of a grain that fluid and grains fill. In the fluid it is
+  // 1 also in the corner of a tank, where they fill a quarter in 2D, and an eighth in 3D, and 0
+  // where the fluid does not go on around the grain. Among particles of the free surface it is a
+  // half where they fill a half, as around a grain whose centre is on the surface.
   void find_immersion(G& grains, const F& fluid) {
     const auto on_surface = fluid[mps::surface];
     const auto fraction = fluid[mps::fluid_fraction];
     const double full =
         Weights<dimension, Real>::integral() * std::pow(double(reach_) / fluid_.spacing, dimension);
     const auto immersed = grains[immersion];
+    may_be_dry_.resize(grains.size());
     for_each(grains.size(), [&](Index k) {
       bool is_near_surface = false;
       double content = 0;
@@ -221,12 +226,44 @@ class Exchange {
         const double known = double(fraction[i]) > 0 ? double(fraction[i]) : 1;
         content += double(weight * weights_.sum(k)) / known;
       });
-      if (!is_near_surface) {
-        immersed[k] = content > 0 ? Real(1) : Real(0);
-      } else {
-        immersed[k] = Real(std::clamp(2 * content / full - 0.5, 0.0, 1.0));
-      }
+      const double filled = content / full;
+      constexpr double corner = dimension == 2 ? 1.0 / 4 : 1.0 / 8;
+      const double share = is_near_surface ? 2 * filled - 0.5 : 4 * filled / corner - 1;
+      immersed[k] = Real(std::clamp(share, 0.0, 1.0));
+      may_be_dry_[k] = is_near_surface || double(weights_.sum(k)) < least_of_flow() / 2 * full;
     });
+  }
+  // The smallest ε that the flow allows.
+  double least_of_flow() const {
+    return 1 / mps::OwnDensity<dimension, Real>::largest_volume(fluid_.radius);
+  }
+  // Few particles among many grains, as on a slope that falls dry, are not a fluid around them: on
+  // the surface, ε is not below that of the closest packing, nor what the flow allows.
+  void leave_fluid_on_surface(G& grains, const F& fluid) {
+    const double least = std::max(closest_packing, least_of_flow());
+    const double most = (1 - 1e-6) * std::pow(fluid_.spacing, dimension) * (1 / least - 1);
+    shares_.resize(fluid.size());
+    for_each(fluid.size(), [&](Index i) {
+      const double solid = solid_around(grains, i);
+      shares_[i] = solid > most ? Real(most / solid) : Real(1);
+    });
+    const auto immersed = grains[immersion];
+    for_each(grains.size(), [&](Index k) {
+      if (!may_be_dry_[k]) return;
+      Real share = 1;
+      weights_.for_each_particle(k, [&](Index i, Real) { share = std::min(share, shares_[i]); });
+      immersed[k] *= share;
+    });
+  }
+  // Σ_k W χ V of particle i [m³].
+  double solid_around(const G& grains, Index i) const {
+    const auto R = grains[radius];
+    const auto immersed = grains[immersion];
+    double solid = 0;
+    weights_.for_each_grain(i, [&](Index k, Real weight) {
+      solid += double(weight) * double(immersed_volume(R[k], immersed[k]));
+    });
+    return solid;
   }
   // Dε/Dt = −ε²/l0^Dim Σ_k χ V dW_ki/dt, as the grains moved in the step.
   void find_rates(F& fluid) {
@@ -285,6 +322,8 @@ class Exchange {
   Buffer<Real> of_particles_;     // Σ_k W β [kg/s]
   Buffer<Real> rates_of_others_;  // of the drag by other grains [1/s]
   Buffer<Real> volumes_;          // χ V [m³]
+  Buffer<std::uint8_t> may_be_dry_;  // of a grain
+  Buffer<Real> shares_;              // of χ that leave enough fluid, of particles
   Buffer<Vec> impulses_;          // of drag [N s]
   Buffer<Vec> velocities_;        // mean ones of the grains in the step [m/s]
   Buffer<Real> solid_rates_;      // Σ_k χ V dW_ki/dt [m³/s]

@@ -36,7 +36,9 @@ class OwnDensity {
   }
 
   /// The largest V for which enough neighbours are left [-].
-  double largest_volume() const { return std::pow(largest_size(), Dim); }
+  double largest_volume() const { return largest_volume(radius_); }
+  /// The same with a radius re/l0 [-].
+  static double largest_volume(double radius) { return std::pow(largest_size(radius), Dim); }
   /// The radius re/l0 that V needs [-].
   static double radius_for(double volume) { return least_radius * std::pow(volume, 1.0 / Dim); }
   /// V is at most largest_volume().
@@ -52,7 +54,8 @@ class OwnDensity {
   // Of a lattice, over its spacing: 8 neighbours in 2D, 18 in 3D.
   static constexpr double least_radius = 1.5;
 
-  double largest_size() const { return std::max(radius_ / least_radius, 1 + 1e-9); }
+  double largest_size() const { return largest_size(radius_); }
+  static double largest_size(double radius) { return std::max(radius / least_radius, 1 + 1e-9); }
 
   double radius_ = 0;
   std::array<Real, intervals + 1> values_{};

@@ -75,6 +75,7 @@ struct AnyParticleView : AnyNeighbourView<Dim> {
   template <class G>
   Vec pressure_gradient(const G& gradient) const;
   Vec concentration_gradient() const;
+  Real bulk_volume() const;
   Real max_relative_speed() const;
   bool has_pressure(const Neighbour<Dim, Real>& neighbour) const;
   bool near_boundary() const;

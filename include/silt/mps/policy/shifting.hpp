@@ -19,7 +19,9 @@ struct NoShifting {
 /// [LindXuStansbyRogers2012], but with relative speeds, because strain is what aligns particles:
 /// fluid at rest or in uniform motion is not shifted. Particles near a boundary of the fluid, where
 /// one side is empty, are not shifted either, so that none is pushed out. Velocities and momentum
-/// are unchanged.
+/// are unchanged. Among grains, with a scheme InMixture, the way of a particle past single grains
+/// spoils the arrangement, and A is divided by ε³: with A = 4, energy rose without limit in a bed
+/// that settled; with 8 to 40, it did not.
 struct ParticleShifting {
   double strength = 4;  ///< A [-], at most 1e6
 
@@ -30,7 +32,9 @@ struct ParticleShifting {
     using Real = typename View::Real;
     using Vec = typename View::Vec;
     if (at.near_boundary()) return Vec::Zero();
-    const Vec shift = (-Real(strength) * at.max_relative_speed() * Real(at.time_step())) *
+    const Real volume = Real(at.bulk_volume());
+    const Real strength_here = Real(strength) * volume * volume * volume;
+    const Vec shift = (-strength_here * at.max_relative_speed() * Real(at.time_step())) *
                       at.concentration_gradient();
     const Real size = shift.norm();
     const Real max_size = at.spacing() / 10;

@@ -105,11 +105,25 @@ class FlowPressure {
     double own = weight > 0 ? source_of_surface(step, i, weight) : source_.value(step.at(i));
     if constexpr (is_in_mixture<Scheme>) {
       // ∇·u = −(1/ε) Dε/Dt at the end of the step.
-      const double rate =
-          double(step.operators.bulk_volumes()[i]) * double(step.particles[fluid_fraction_rate][i]);
-      if (!(weight > 0)) own += step.settings.density / step.time_step * rate;
+      if (!(weight > 0)) own += step.settings.density / step.time_step * relative_rate(step, i);
     }
     return own - step.at(i).laplacian_of_rises(rise);
+  }
+  // (1/ε) Dε/Dt around particle i [1/s], as n_i changes by it: a mean with the weights of n_i.
+  // Those of the particles alone differ, as each has its own way past the second phase. As a
+  // source, they made energy without limit.
+  template <class Step>
+  static double relative_rate(const Step& step, Index i) {
+    const auto& volumes = step.operators.bulk_volumes();
+    const auto rate = step.particles.with_ghosts(fluid_fraction_rate);
+    const auto& stencil = step.operators.stencil();
+    double weights = double(stencil.kernel.weight(Real(0)) * volumes[i]);
+    double sum = weights * double(volumes[i] * rate[i]);
+    step.operators.for_each(i, [&](const auto& j) {
+      weights += double(j.weight);
+      sum += double(j.weight * volumes[j.index] * rate[j.index]);
+    });
+    return sum / weights;
   }
   // That with which the pressure outside of the surface has this weight.
   template <class Step>

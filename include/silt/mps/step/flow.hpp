@@ -277,7 +277,9 @@ class BasicFlow {
     changes_.clear();
     advection_.begin();
     particles.refresh_ghosts(kind);  // may have changed since the search made them
-    if constexpr (ParticlesInMixture<P>) particles.refresh_ghosts(fluid_fraction, response);
+    if constexpr (ParticlesInMixture<P>) {
+      particles.refresh_ghosts(fluid_fraction, fluid_fraction_rate, response);
+    }
     check_positions(particles, operators_.stencil());
     operators_.begin_step(record_.time(), time_step);
     timed(seconds_.neighbours, [&] { operators_.find(particles, search); });

@@ -10,6 +10,7 @@
 #include <silt/mps/operator/neighbour.hpp>
 #include <silt/mps/operator/neighbourhood.hpp>
 #include <silt/mps/operator/operators.hpp>
+#include <silt/mps/policy/free_surface.hpp>
 #include <silt/mps/scheme/flow_settings.hpp>
 #include <silt/mps/scheme/scheme.hpp>
 #include <silt/mps/view/bulk_volumes.hpp>
@@ -228,26 +229,22 @@ class FlowOperators {
     if constexpr (!BulkVolumes::are_one) n += bulk_volumes_.own_density(i);
     return n;
   }
-  /// N_i; with a scheme InMixture, that of a full lattice in the same bulk volume [-].
-  double neighbours(Index i) const {
+  /// n_i/n0 and N_i/N0, where n_i is density(i). With a scheme InMixture, of the neighbours alone,
+  /// weighted by their volumes: n_i has the share of the particle itself, which, at a small ε,
+  /// would hide that neighbours are missing.
+  LocalDensity local_density(Index i, Real n) const {
     if constexpr (BulkVolumes::are_one) {
       Index number = neighbourhood_[i].size();
       for_each_image(i, [&](const auto&) { ++number; });
-      return double(number);
+      return {.density = double(n / stencil_.n0),
+              .neighbours = double(number) / double(stencil_.neighbours)};
     } else {
-      Real number = bulk_volumes_[i] - 1;
+      Real number = 0;
       for_each(i, [&](const auto& j) { number += bulk_volumes_[j.index]; });
-      return double(number);
+      const Real own = bulk_volumes_.own_density(i), own_volume = bulk_volumes_[i] - 1;
+      return {.density = double((n - own) / (stencil_.n0 - own)),
+              .neighbours = double(number) / double(Real(stencil_.neighbours) - own_volume)};
     }
-  }
-  /// The velocities u of the neighbours within stencil(), as input of an operator.
-  template <class U>
-  auto velocities_around(Index i, const U& u) const {
-    return [this, i, &u](auto&& f) {
-      this->for_each(i, [&](const auto& j) {
-        f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);
-      });
-    };
   }
   /// ⟨∇²u⟩_i of velocities [1/(m s)]      (6), which keeps momentum
   template <class U>

@@ -40,6 +40,8 @@ class NeighbourView {
   static constexpr bool have_equal_volumes = Operators::BulkVolumes::are_one;
   /// See BulkVolumes::of_pair(), with neighbour j.
   Real of_pair(Index j) const { return operators_.bulk_volumes().of_pair(index_, j); }
+  /// Of the particle, over l0^Dim: 1/ε with a scheme InMixture, otherwise 1 [-].
+  Real bulk_volume() const { return operators_.bulk_volumes()[index_]; }
   /// What the particle adds to the weights of its neighbours within the stencil of the Laplacian,
   /// see OwnDensity [-]; 0 if all have equal volumes.
   Real own_density_in_laplacian() const {

@@ -30,7 +30,6 @@ class PressureBoundary {
   template <FluidParticles P, int Dim, class Real>
   void find(P& particles, const FlowOperators<Scheme, Dim, Real>& operators,
             const SurfaceOf<Scheme>& criterion) {
-    const auto& stencil = operators.stencil();
     const auto n = particles[number_density];
     const auto on_surface = particles[surface];
     has_pressure_.resize(particles.local());
@@ -39,8 +38,7 @@ class PressureBoundary {
     for_each_inlined(particles.size(), [&](Index i) {
       const NeighbourView at(particles, operators, i);
       n[i] = operators.density(i);
-      const LocalDensity local{.density = double(n[i] / stencil.n0),
-                               .neighbours = operators.neighbours(i) / double(stencil.neighbours)};
+      const LocalDensity local = operators.local_density(i, n[i]);
       on_surface[i] = is_on_surface(criterion, at, local) || operators.walls().is_dry(at);
       has_pressure_[i] = operators.walls().has_pressure(at.kind(), on_surface[i] != 0);
       if constexpr (HasOuterSurface<SurfaceOf<Scheme>>) {
