@@ -25,7 +25,6 @@
 #include "support/findings.hpp"
 #include "support/history.hpp"
 #include "support/resume.hpp"
-#include "support/tank_run.hpp"
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
@@ -241,7 +240,7 @@ void simulate(const Options& o) {
                            .from = o.begin(),
                            .ramp = o.ramp()}};
   });
-  support::set_moving<3>(settings.walls, {.faces = {inflow.piston()}});
+  settings.walls.moving_3d = mps::MovingWalls<3>{.faces = {inflow.piston()}};
 
   auto grains = packed_bed(o);
   mps::FluidInMixture<3> water{box(o)};

@@ -228,6 +228,7 @@ STEPS = [
 ]
 SOURCES += STEPS
 MOVING = "draw_gallery_moving.py"
+IN_WATER = "draw_gallery_grains.py"
 GALLERY = [
     GalleryItem("broken_tower_3d", "broken_tower",
                 {"dimension": 3, "columns": 8, "depth": 8, "until": 1.6, "output-every": 0.04},
@@ -276,6 +277,14 @@ GALLERY = [
                 {"spacing": 0.0125, "until": 0.12}, MOVING),
     GalleryItem("weir", "channel", {"case": "weir", "until": 4, "output-every": 0.05},
                 {"spacing": 0.025, "until": 0.15}, MOVING),
+    GalleryItem("landslide", "landslide",
+                {"dimension": 2, "spacing": 0.0125, "diameter": 0.006, "radius": 4.1, "laplacian-radius": 4.1,
+                 "until": 2, "output-every": 0.03},
+                {"spacing": 0.025, "diameter": 0.02, "until": 0.1}, IN_WATER),
+    GalleryItem("fluidised_bed", "fluidised_bed",
+                {"dimension": 3, "spacing": 0.02, "width": 0.16, "bed": 0.14, "stiffness": 1000,
+                 "friction-angle": 15, "until": 5, "output-every": 0.08},
+                {"spacing": 0.025, "width": 0.15, "bed": 0.06, "until": 0.2}, IN_WATER),
     GalleryItem("quickstart_tower", "quickstart_tower"),
     GalleryItem("quickstart_dam", "quickstart_dam"),
     GalleryItem("own_field", "own_field"),
