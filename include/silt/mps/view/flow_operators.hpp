@@ -246,6 +246,15 @@ class FlowOperators {
               .neighbours = double(number) / double(Real(stencil_.neighbours) - own_volume)};
     }
   }
+  /// The velocities u of the neighbours within stencil(), as input of an operator.
+  template <class U>
+  auto velocities_around(Index i, const U& u) const {
+    return [this, i, &u](auto&& f) {
+      this->for_each(i, [&](const auto& j) {
+        f(j.velocity(u), j.r_ij, j.weight, j.weight_over_square);
+      });
+    };
+  }
   /// ⟨∇²u⟩_i of velocities [1/(m s)]      (6), which keeps momentum
   template <class U>
   [[gnu::flatten]] Vec laplacian(Index i, const U& u) const {
