@@ -34,6 +34,7 @@ struct ViewOf {
   bool near_boundary() const { return numbers.near_boundary; }
   Vec concentration_gradient() const { return numbers.concentration_gradient; }
   double max_relative_speed() const { return numbers.max_relative_speed; }
+  double bulk_volume() const { return 1; }
   double spacing() const { return numbers.spacing; }
 };
 
