@@ -15,17 +15,17 @@
 // U is the superficial velocity. Water enters through all of the floor, z = 0; grains lie on a grid
 // two spacings above it, which the water does not feel.
 #include <silt/coupled.hpp>
-#include <silt/dem/contact/contacts.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/mps/setup/inflow.hpp>
 #include <silt/mps/wall/moving_walls.hpp>
+
+#include <CLI/CLI.hpp>
 
 #include "support/command_line.hpp"
 #include "support/coupled_program.hpp"
 #include "support/findings.hpp"
 #include "support/history.hpp"
 #include "support/resume.hpp"
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -91,15 +91,7 @@ Box<3> box(const Options& o) {
   return {.lower = Vec<3>::Constant(-0.1),
           .upper = {o.width + 0.1, o.width + 0.1, o.height() + 0.1}};
 }
-auto contacts_of(const Options& o) {
-  const auto wall = [&](int axis, double at, double to_inside) {
-    Vec<3> point = Vec<3>::Zero();
-    point[axis] = at;
-    return dem::Plane<3>{.point = point, .normal = to_inside * Vec<3>::Unit(axis)};
-  };
-  return dem::Contacts{support::law_of<3>(o), wall(2, o.grid(), 1), wall(0, 0, 1),
-                       wall(0, o.width, -1),  wall(1, 0, 1),        wall(1, o.width, -1)};
-}
+
 // At rest, without water.
 coupled::GrainsInFluid<3> packed_bed(const Options& o) {
   coupled::GrainsInFluid<3> grains{box(o)};
@@ -121,7 +113,8 @@ coupled::GrainsInFluid<3> packed_bed(const Options& o) {
                    {.radius = o.diameter / 2, .density = o.density});
   }
   Simulation dry{std::move(grains), NeighbourList<3>{},
-                 Forces{contacts_of(o), Gravity<3>{Vec<3>(0, 0, -support::g)}},
+                 Forces{support::contacts_in_tank(o, o.width, o.grid()),
+                        Gravity<3>{Vec<3>(0, 0, -support::g)}},
                  Leapfrog{GlobalDamping{.alpha = 20}}};
   dry.run({.until = 1});
   auto settled = dry.snapshot();
@@ -251,8 +244,9 @@ void simulate(const Options& o) {
   const double area = o.width * o.width;
   const double weight = double(grains.size()) * dem::volume_of<3>(o.diameter / 2) *
                         (o.density - rho) * support::g / area;
-  auto both = support::couple<3>(o, std::move(grains), std::move(water), settings, contacts_of(o),
-                                 coupled::GidaspowDrag{});
+  auto both =
+      support::couple<3>(o, std::move(grains), std::move(water), settings,
+                         support::contacts_in_tank(o, o.width, o.grid()), coupled::GidaspowDrag{});
   if (!o.resume.is_requested()) {
     support::or_reject([&] { return both.let_fluid_settle({.max_steps = 30}); });
   }

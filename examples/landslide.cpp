@@ -21,12 +21,13 @@
 #include <silt/measure/surface_height.hpp>
 #include <silt/mps/filling/fill.hpp>
 
+#include <CLI/CLI.hpp>
+
 #include "support/command_line.hpp"
 #include "support/coupled_program.hpp"
 #include "support/findings.hpp"
 #include "support/history.hpp"
 #include "support/resume.hpp"
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <array>

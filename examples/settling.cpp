@@ -16,12 +16,13 @@
 #include <silt/coupled.hpp>
 #include <silt/geometry/shapes.hpp>
 
+#include <CLI/CLI.hpp>
+
 #include "support/command_line.hpp"
 #include "support/coupled_program.hpp"
 #include "support/findings.hpp"
 #include "support/history.hpp"
 #include "support/resume.hpp"
-#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -79,15 +80,6 @@ void describe(CLI::App& app, Options& o) {
 Box<3> box(const Options& o) {
   return {.lower = Vec<3>::Constant(-0.1),
           .upper = {o.width + 0.1, o.width + 0.1, 2 * o.depth + 0.1}};
-}
-auto contacts_of(const Options& o) {
-  const auto wall = [&](int axis, double at, double to_inside) {
-    Vec<3> point = Vec<3>::Zero();
-    point[axis] = at;
-    return dem::Plane<3>{.point = point, .normal = to_inside * Vec<3>::Unit(axis)};
-  };
-  return dem::Contacts{support::law_of<3>(o), wall(2, 0, 1), wall(0, 0, 1),
-                       wall(0, o.width, -1),  wall(1, 0, 1), wall(1, o.width, -1)};
 }
 
 // On a lattice that is not quite regular, or one near the surface, or the floor if it rises.
@@ -170,8 +162,8 @@ void simulate(const Options& o) {
     mps::add_particle(water, x, mps::Kind::fluid);
   }
   support::or_reject([&] { return coupled::make_room(water, grains, {.spacing = o.spacing}); });
-  auto both =
-      support::couple<3>(o, std::move(grains), std::move(water), settings, contacts_of(o), Drag{});
+  auto both = support::couple<3>(o, std::move(grains), std::move(water), settings,
+                                 support::contacts_in_tank(o, o.width), Drag{});
   if (!o.resume.is_requested()) {
     support::or_reject([&] { return both.let_fluid_settle(); });
   }

@@ -4,18 +4,21 @@
 #pragma once
 
 #include <silt/coupled.hpp>
+#include <silt/dem/wall/box_wall.hpp>
 #include <silt/io/progress.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/measure/timed.hpp>
+
+#include <nlohmann/json.hpp>
 
 #include "disc_drag.hpp"
 #include "flow_program.hpp"
 #include "flow_study.hpp"
 #include "history.hpp"
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <type_traits>
@@ -54,6 +57,13 @@ silt::dem::CundallStrack law_of(const CoupledOptions& o) {
           .tangential_stiffness = stiffness * 2 / 7,
           .restitution = o.restitution,
           .friction_angle = o.friction_angle * std::numbers::pi / 180};
+}
+
+/// Contacts in a square tank of this width, with a floor at a height [m].
+inline auto contacts_in_tank(const CoupledOptions& o, double width, double floor = 0) {
+  const silt::Box<3> tank{.lower = {0, 0, floor},
+                          .upper = {width, width, std::numeric_limits<double>::infinity()}};
+  return silt::dem::Contacts{law_of<3>(o), silt::dem::BoxWall<3>{.box = tank}};
 }
 
 /// Settings of the flow with the initial depth `depth` [m].

@@ -8,17 +8,16 @@
 
 namespace support {
 
-/// β = ½ C ρ d |u − v| ε^−1.7 with C = 1 + 10 Re^−2/3 of a single cylinder (F.M. White, Viscous
-/// Fluid Flow, 1974), Re of the superficial velocity. There is no such law of many discs: the
-/// factor of ε is that of spheres [DiFelice1994] between small and large Re.
+/// β = ½ C ρ d |u − v| ε^−1.7 with C = 1 + 10 Re^−2/3 + 1/Re, Re of the superficial velocity: that
+/// of a single cylinder (F.M. White, Viscous Fluid Flow, 1974), and finite at rest. There is no
+/// such law of many discs: the factor of ε is that of spheres [DiFelice1994] at small and large Re.
 struct DiscDrag {
   static constexpr int dimension = 2;
   /// [kg/s] per metre of depth.
   static double coefficient(const silt::coupled::GrainInFluid& at) {
     const double re = at.reynolds();
-    // C Re, finite at Re = 0.
-    const double of_speed = re + 10 * std::cbrt(re) + 1;
-    return of_speed * at.viscosity / 2 * std::pow(at.fluid_fraction, -1.7);
+    const double drag_times_re = re + 10 * std::cbrt(re) + 1;
+    return drag_times_re * at.viscosity / 2 * std::pow(at.fluid_fraction, -2.7);
   }
 };
 

@@ -251,7 +251,7 @@ TYPED_TEST(Coupled, HaveTheSameBitsOnAnyThreadsAfterARestartAndAFailedStep) {
 }
 
 struct CountsSteps {
-  std::uint64_t& steps;
+  std::uint64_t steps = 0;
   template <class Sim>
   void after_step(const Sim& simulation, const silt::Run&) {
     steps = simulation.steps();
@@ -269,17 +269,16 @@ TEST(CoupledObservers, SeeTheSimulationTheyAreOf) {
   auto both = Scene<2>{.grains = {Vec<2>(0.43 * side, 0.43 * side)}}.coupled();
   const Folder folder;
   Index outputs = 0;
-  std::uint64_t steps = 0;
   auto counts = [&](const auto& simulation) {
     EXPECT_EQ(simulation.particles().size(), 1u);
     ++outputs;
   };
   const Index before = both.fluid().particles().size();
-  both.run({.until = 2.5 * both.time_step()}, coupled::OfGrains{counts},
-           coupled::OfFluid{CountsSteps{steps}}, coupled::OfFluid{RemovesOne{}},
-           VtkSeries{folder.path / "both"});
+  coupled::OfFluid steps{CountsSteps{}};
+  both.run({.until = 2.5 * both.time_step()}, coupled::OfGrains{counts}, steps,
+           coupled::OfFluid{RemovesOne{}}, VtkSeries{folder.path / "both"});
   EXPECT_EQ(outputs, 2u);
-  EXPECT_EQ(steps, both.fluid().steps());
+  EXPECT_EQ(steps.observer().steps, both.fluid().steps());
   EXPECT_EQ(both.fluid().particles().size(), before - 1);
   const std::string list = file::read("test", folder.path / "both.pvd");
   for (const std::string entry : {"timestep=\"0\" part=\"0\" file=\"both/both_grains_000000.vtu\"",

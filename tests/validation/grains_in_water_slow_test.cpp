@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 // Grains in water that does not resolve them, compared with theory and experiment.
 #include <silt/coupled.hpp>
+#include <silt/dem/wall/box_wall.hpp>
 #include <silt/geometry/shapes.hpp>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -30,13 +32,9 @@ struct Scene {
   auto contacts() const {
     const dem::CundallStrack law{
         .normal_stiffness = 200, .tangential_stiffness = 140, .restitution = 0.5};
-    const auto wall = [&](int axis, double at, double to_inside) {
-      Vec<3> point = Vec<3>::Zero();
-      point[axis] = at;
-      return dem::Plane<3>{.point = point, .normal = to_inside * Vec<3>::Unit(axis)};
-    };
-    return dem::Contacts{law,           wall(2, 0, 1),    wall(0, 0, 1), wall(0, side, -1),
-                         wall(1, 0, 1), wall(1, side, -1)};
+    const double inf = std::numeric_limits<double>::infinity();
+    const Box<3> tank{.lower = Vec<3>::Zero(), .upper = {side, side, inf}};
+    return dem::Contacts{law, dem::BoxWall<3>{.box = tank}};
   }
   template <class Law>
   auto coupled(coupled::GrainsInFluid<3> grains, const Law& drag) const {

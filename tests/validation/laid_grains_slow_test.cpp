@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Grains laid into water, and carried by it, in 2D and 3D: volume, weight and velocity are exact.
 #include <silt/coupled.hpp>
+#include <silt/dem/wall/box_wall.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/measure/surface_height.hpp>
 #include <silt/measure/wall_load.hpp>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -69,18 +71,10 @@ TYPED_TEST(GrainsInWater, RaiseTheLevelAndLoadTheFloor) {
       solid += dem::volume_of<Dim>(d / 2);
     }
     const dem::CundallStrack law{.normal_stiffness = Dim == 2 ? 1e5 : 500, .restitution = 0.5};
-    const auto wall = [&](int axis, double at, double to_inside) {
-      Vec<Dim> point = Vec<Dim>::Zero();
-      point[axis] = at;
-      return dem::Plane<Dim>{.point = point, .normal = to_inside * Vec<Dim>::Unit(axis)};
-    };
-    const int across = Dim == 2 ? 0 : 1;  // in 2D the same walls twice do not count twice
-    dem::Contacts contacts{law,
-                           wall(up, 0, 1),
-                           wall(0, 0, 1),
-                           wall(0, side, -1),
-                           wall(across, across == 0 ? -0.05 : 0, 1),
-                           wall(across, across == 0 ? side + 0.05 : side, -1)};
+    // Without friction, only the floor carries weight.
+    Vec<Dim> open_above = tank;
+    open_above[up] = std::numeric_limits<double>::infinity();
+    const dem::Contacts contacts{law, dem::BoxWall<Dim>{.box = region(open_above)}};
     mps::FluidInMixture<Dim> water{box};
     for (const auto& x : lattice<Dim>(region(filled), l0)) {
       mps::add_particle(water, x, mps::Kind::fluid);

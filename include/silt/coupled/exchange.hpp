@@ -240,6 +240,8 @@ class Exchange {
   // Few particles among many grains, as on a slope that falls dry, are not a fluid around them: on
   // the surface, ε is not below that of the closest packing, nor what the flow allows.
   void leave_fluid_on_surface(G& grains, const F& fluid) {
+    const auto may_be_dry = [&](Index k) { return may_be_dry_[k] != 0; };
+    if (first_where(grains.size(), may_be_dry) == no_index) return;
     const double least = std::max(closest_packing, least_of_flow());
     const double most = (1 - 1e-6) * std::pow(fluid_.spacing, dimension) * (1 / least - 1);
     shares_.resize(fluid.size());
@@ -249,7 +251,7 @@ class Exchange {
     });
     const auto immersed = grains[immersion];
     for_each(grains.size(), [&](Index k) {
-      if (!may_be_dry_[k]) return;
+      if (!may_be_dry(k)) return;
       Real share = 1;
       weights_.for_each_particle(k, [&](Index i, Real) { share = std::min(share, shares_[i]); });
       immersed[k] *= share;

@@ -20,8 +20,8 @@ struct NoShifting {
 /// fluid at rest or in uniform motion is not shifted. Particles near a boundary of the fluid, where
 /// one side is empty, are not shifted either, so that none is pushed out. Velocities and momentum
 /// are unchanged. Among grains, with a scheme InMixture, the way of a particle past single grains
-/// spoils the arrangement, and A is divided by ε³: with A = 4, energy rose without limit in a bed
-/// that settled; with 8 to 40, it did not.
+/// spoils the arrangement, and A is divided by ε³. With A alone, a bed that settled made energy, see
+/// docs/theory_coupled.md.
 struct ParticleShifting {
   double strength = 4;  ///< A [-], at most 1e6
 
