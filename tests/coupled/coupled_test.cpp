@@ -50,6 +50,7 @@ struct Scene {
   std::vector<Vec<Dim>> grains = {};
   bool periodic_grains = false;
   double contact_stiffness = Dim == 2 ? 1e3 : 10;
+  coupled::FluidForceCoefficients coefficients = {};
 
   static Box<Dim> box() {
     Box<Dim> box;
@@ -70,7 +71,7 @@ struct Scene {
     const dem::Plane<Dim> floor{.normal = Vec<Dim>::Unit(Dim - 1)};
     return Simulation{all, NeighbourList<Dim>{},
                       Forces{dem::Contacts{law, floor}, Gravity<Dim>{gravity_of_grains},
-                             coupled::FluidForces{Law{}}},
+                             coupled::FluidForces{Law{}, coefficients}},
                       Leapfrog{}};
   }
   auto fluid_simulation() const {
@@ -156,9 +157,10 @@ TYPED_TEST(Coupled, KeepMomentum) {
   // and walls alone. These act on the fluid where its momentum_changes() say.
   constexpr int Dim = TypeParam::value;
   // Without viscosity, as images in walls resist it.
-  auto both =
-      Scene<Dim, DragOfDiscs>{.viscosity = 0, .grains = scattered<Dim>(1.7 * l0, 0.7 * depth)}
-          .coupled();
+  auto both = Scene<Dim, DragOfDiscs>{.viscosity = 0,
+                                      .grains = scattered<Dim>(1.7 * l0, 0.7 * depth),
+                                      .coefficients = {.added_mass = 0.5, .lift = 0.5}}
+                  .coupled();
   const double m = 1000 * std::pow(l0, Dim);
   for (int step = 0; step < 8; ++step) {
     const Vec<Dim> before =
@@ -182,6 +184,68 @@ TYPED_TEST(Coupled, KeepMomentum) {
     const Vec<Dim> after = momentum(grains, 0) + momentum(both.fluid().particles(), m);
     EXPECT_LT((after - before - impulse).norm(), 1e-12 * largest);
   }
+}
+
+TYPED_TEST(Coupled, CloseTheirEnergies) {
+  // The only test of the energy balance of both: kinetic energies change by the work of all forces,
+  // and what the exchange takes from both is lost.
+  constexpr int Dim = TypeParam::value;
+  for (const double added_mass : {0.0, 0.5}) {
+    auto both = Scene<Dim, DragOfDiscs>{.diameter = l0,
+                                        .grains = scattered<Dim>(1.2 * l0, 3 * l0),
+                                        .contact_stiffness = Dim == 2 ? 1e5 : 1e3,
+                                        .coefficients = {.added_mass = added_mass, .lift = 0.5}}
+                    .coupled();
+    for (auto&& v : both.grains().particles()[velocity]) v[Dim - 1] = -0.3;
+    both.run({.until = 0.03});
+    const coupled::CoupledEnergy energy = both.energy();
+    const auto& of_grains = energy.grains;
+    const double largest =
+        std::max({std::abs(of_grains.by_pressure), std::abs(of_grains.by_contacts),
+                  std::abs(of_grains.potential), std::abs(energy.fluid.initial)});
+    EXPECT_NEAR(of_grains.kinetic, kinetic_energy(std::as_const(both.grains()).particles()),
+                1e-12 * largest);
+    EXPECT_LT(std::abs(energy.imbalance()), 1e-10 * largest);
+    EXPECT_LT(of_grains.by_contacts, 0);
+    if (added_mass > 0) continue;
+    EXPECT_GT(energy.lost_by_exchange(), 0);
+    EXPECT_NEAR(energy.fluid.by_force, energy.by_exchange_on_fluid, 1e-10 * largest);
+  }
+}
+
+TYPED_TEST(Coupled, AccelerateALightGrainWithItsAddedMass) {
+  // The only test of the added mass: a light grain rises at first with (ρ − ρ_g)/(ρ_g + Cₘ ρ) g.
+  constexpr int Dim = TypeParam::value;
+  auto both = Scene<Dim, coupled::NoDrag>{.diameter = 0.1 * l0,
+                                          .density = 100,
+                                          .grains = {Vec<Dim>::Constant(0.43 * side)},
+                                          .coefficients = {.added_mass = 0.5}}
+                  .coupled();
+  EXPECT_LT(both.let_fluid_settle(), 1e-4);
+  const auto speed = [&] { return both.grains().snapshot()[velocity][0][Dim - 1]; };
+  const auto take_steps = [&](int number) {
+    for (int step = 0; step < number; ++step) both.step(2e-4);
+  };
+  take_steps(4);  // of another length than those in which the fluid came to rest
+  const double begin = both.time(), before = speed();
+  take_steps(8);
+  EXPECT_NEAR((speed() - before) / (both.time() - begin), 900.0 / 600 * g, 0.02 * 900.0 / 600 * g);
+}
+
+TYPED_TEST(Coupled, LiftAGrainInAShear) {
+  // The only test of the lift: C_L ρ V (u − v) × ω, with the vorticity of a linear u.
+  constexpr int Dim = TypeParam::value, up = Dim - 1;
+  const double rate = 2;  // [1/s]
+  auto both = Scene<Dim, coupled::NoDrag>{.grains = {Vec<Dim>::Constant(0.43 * side)},
+                                          .coefficients = {.lift = 0.5}}
+                  .coupled();
+  auto& fluid = both.particles();
+  for (Index i = 0; i < fluid.size(); ++i) fluid[velocity][i][0] = rate * fluid[position][i][up];
+  both.step(1e-6);
+  const auto& grains = std::as_const(both.grains()).particles();
+  const double u = grains[coupled::fluid_velocity][0][0];
+  const double expected = 1e-6 * 0.5 * 1000 * dem::volume_of<Dim>(0.25 * l0) * u * rate;
+  EXPECT_NEAR(grains[coupled::exchanged_impulse][0][up], expected, 1e-6 * expected);
 }
 
 TYPED_TEST(Coupled, LeaveAGrainOfTheDensityOfWaterAtRest) {

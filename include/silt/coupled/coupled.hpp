@@ -10,6 +10,7 @@
 #include <silt/core/thread_choice.hpp>
 #include <silt/core/types.hpp>
 #include <silt/coupled/coupled_checks.hpp>
+#include <silt/coupled/coupled_energy.hpp>
 #include <silt/coupled/exchange.hpp>
 #include <silt/coupled/fluid_forces.hpp>
 #include <silt/coupled/grains_in_fluid.hpp>
@@ -55,7 +56,9 @@ class Coupled {
         exchange_({.spacing = settings().spacing,
                    .density = settings().density,
                    .viscosity = settings().viscosity,
-                   .radius = std::min(settings().radius, settings().laplacian_radius)},
+                   .radius = std::min(settings().radius, settings().laplacian_radius),
+                   .added_mass = coefficients().added_mass,
+                   .has_lift = coefficients().lift > 0},
                   settings().gravity.template cast<Real>()),
         time_(fluid_.time()) {
     detail::require_common_setup(grains_, fluid_);
@@ -70,6 +73,11 @@ class Coupled {
 
   /// Whether a checkpoint was read.
   bool was_read() const noexcept { return fluid_.was_read(); }
+
+  /// Of both after the last step, and the work since the first one.
+  CoupledEnergy energy() const {
+    return {energy_.energy(), fluid_.interaction().energy(), energy_.by_exchange_on_fluid()};
+  }
 
   /// That of the grains.
   GrainSimulation& grains() noexcept { return grains_; }
@@ -108,6 +116,8 @@ class Coupled {
     try {
       G& grains = grains_.particles();
       F& fluid = fluid_.particles();
+      const Vec g = settings().gravity.template cast<Real>();
+      const GrainEnergy before = GrainEnergyAccount::of(std::as_const(grains), g);
       exchange_.find_volumes(grains, fluid);
       const auto& forces = begin_forces();
       exchange_.give_to_grains(
@@ -118,7 +128,10 @@ class Coupled {
       grains_.run({.until = time_ + dt, .end_exactly = true});
       exchange_.give_to_fluid(grains, fluid, dt);
       fluid_.step(dt);
-      exchange_.correct_grains(grains, fluid, dt, forces.acted_for());
+      auto work = exchange_.correct(grains, fluid, dt, forces.acted_for());
+      work.on_grains += forces.work();
+      energy_.add(before, GrainEnergyAccount::of(std::as_const(grains), g), work.on_grains,
+                  work.on_fluid, g);
     } catch (...) {
       restore();
       throw;
@@ -176,6 +189,7 @@ class Coupled {
   void transfer(Archive& archive) {
     archive.within("grains", [&] { grains_.transfer(archive); });
     archive.within("fluid", [&] { fluid_.transfer(archive); });
+    archive.within("energy", [&] { energy_.transfer(archive); });
     archive.finite([&] {
       archive("time", time_);
       archive("steps", steps_);
@@ -190,6 +204,9 @@ class Coupled {
   friend class silt::detail::RunLoop;
 
   const auto& settings() const { return fluid_.interaction().settings(); }
+  const FluidForceCoefficients& coefficients() {
+    return detail::fluid_forces_of(grains_.interaction()).coefficients();
+  }
   // The part of the grains' interaction, which begins to sum impulses.
   auto& begin_forces() {
     auto& forces = detail::fluid_forces_of(grains_.interaction());
@@ -218,6 +235,7 @@ class Coupled {
   GrainSimulation grains_;
   FluidSimulation fluid_;
   Exchange<G, F> exchange_;
+  GrainEnergyAccount energy_;
   double time_ = 0;
   double last_time_step_ = 0;
   std::uint64_t steps_ = 0;

@@ -10,7 +10,9 @@
 #include <silt/core/types.hpp>
 #include <silt/coupled/grains_in_fluid.hpp>
 #include <silt/coupled/own_wake.hpp>
+#include <silt/coupled/vorticity.hpp>
 #include <silt/coupled/weights.hpp>
+#include <silt/coupled/work_on_grains.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/mps/fluid/fluid.hpp>
 #include <silt/mps/fluid/mixture.hpp>
@@ -23,16 +25,18 @@
 
 namespace silt::coupled {
 
-/// What all particles of the fluid have in common.
-struct FluidOfExchange {
-  double spacing;    ///< l0 [m]
-  double density;    ///< ρ [kg/m³]
-  double viscosity;  ///< ν [m²/s]
-  double radius;     ///< re/l0 of the flow, the smaller one [-]
+/// What all particles of the fluid, and all grains, have in common.
+struct ExchangeSettings {
+  double spacing;         ///< l0 [m]
+  double density;         ///< ρ of the fluid [kg/m³]
+  double viscosity;       ///< ν [m²/s]
+  double radius;          ///< re/l0 of the flow, the smaller one [-]
+  double added_mass = 0;  ///< Cₘ of the grains [-]
+  bool has_lift = false;  ///< of the grains
 };
 
 /// The exchange of grains of type G with particles of a fluid of type F. In each step,
-/// find_volumes(), give_to_grains(), give_to_fluid() and correct_grains() are called in this order.
+/// find_volumes(), give_to_grains(), give_to_fluid() and correct() are called in this order.
 /// In between, particles may be sorted in memory, and grains be removed.
 template <ParticlesInFluid G, mps::ParticlesInMixture F>
 class Exchange {
@@ -42,11 +46,11 @@ class Exchange {
   using Vec = typename G::Vec;
 
   /// Gravity is in [m/s²].
-  Exchange(const FluidOfExchange& fluid, const Vec& gravity)
-      : fluid_(fluid),
+  Exchange(const ExchangeSettings& settings, const Vec& gravity)
+      : settings_(settings),
         gravity_(gravity),
-        reach_(Real(Weights<dimension, Real>::reach_for(fluid.radius) * fluid.spacing)),
-        mass_(Real(fluid.density * std::pow(fluid.spacing, dimension))) {}
+        reach_(Real(Weights<dimension, Real>::reach_for(settings.radius) * settings.spacing)),
+        mass_(Real(settings.density * std::pow(settings.spacing, dimension))) {}
 
   /// The weights, the share χ of each grain that is immersed, and of each particle of the fluid
   /// ε = l0^Dim/(l0^Dim + Σ_k W χ V) and the response of the grains to its pressure.
@@ -55,7 +59,7 @@ class Exchange {
                   reach_);
     find_immersion(grains, fluid);
     leave_fluid_on_surface(grains, fluid);
-    const double particle = std::pow(fluid_.spacing, dimension);
+    const double particle = std::pow(settings_.spacing, dimension);
     const auto R = std::as_const(grains)[radius];
     const auto immersed = std::as_const(grains)[immersion];
     const auto m = std::as_const(grains)[mass];
@@ -65,7 +69,8 @@ class Exchange {
       double displaced = 0;
       weights_.for_each_grain(i, [&](Index k, Real weight) {
         const double volume = double(immersed_volume(R[k], immersed[k]));
-        displaced += double(weight) * volume * fluid_.density * volume / double(m[k]);
+        displaced += double(weight) * volume * settings_.density * moved_by_pressure(volume) /
+                     inert_mass(volume, double(m[k]));
       });
       fraction[i] = Real(particle / (particle + solid_around(grains, i)));
       response[i] = Real(displaced / particle);
@@ -90,8 +95,9 @@ class Exchange {
          {.particle = dense, .id = grains.id(dense)});
   }
 
-  /// u, ε, −χ V ∇P and the mobility of the fluid around each grain. coefficient_of(diameter, ε,
-  /// speed, χ) is β of a grain, see FluidForces::coefficient(); the step has this length [s].
+  /// u, its vorticity, ε, −χ V ∇P and the mobility of the fluid around each grain.
+  /// coefficient_of(diameter, ε, speed, χ) is β of a grain, see FluidForces::coefficient(); the
+  /// step has this length [s].
   template <class CoefficientOf>
   void give_to_grains(G& grains, const F& fluid, double time_step, CoefficientOf&& coefficient_of) {
     remember_ids(grains, fluid);
@@ -107,7 +113,8 @@ class Exchange {
     const auto accelerated = grains[fluid_acceleration];
     const auto share = grains[fluid_share];
     const auto of_pressure = grains[pressure_force];
-    const auto impulse = grains[drag_impulse];
+    const auto vorticity = grains[fluid_vorticity];
+    const auto impulse = grains[exchanged_impulse];
     means_.resize(number);
     coefficients_.resize(number);
     volumes_.resize(number);
@@ -121,7 +128,8 @@ class Exchange {
       });
       means_[k] = mean;
       undisturbed[k] = mean - wake[k];
-      accelerated[k] = gravity_ - of_gradients / Real(fluid_.density);
+      if (settings_.has_lift) vorticity[k] = vorticity_around(weights_, k, u);
+      accelerated[k] = gravity_ - of_gradients / Real(settings_.density);
       share[k] = epsilon;
       volumes_[k] = immersed_volume(R[k], immersed[k]);
       of_pressure[k] = -volumes_[k] * of_gradients;
@@ -135,15 +143,15 @@ class Exchange {
     find_mobilities(grains, fluid.size(), time_step);
   }
 
-  /// The acceleration of each particle of the fluid by the impulses that drag gave the grains in a
-  /// step of this length [s]: of grain k on particle i,
+  /// The acceleration of each particle of the fluid by the impulses J that drag, added mass and
+  /// lift gave the grains in a step of this length [s]: of grain k on particle i,
   ///
   ///   −W_ki [J_k + Δt β_k/(1 + Δt β_k D_k) (u_i − Σ_j W_kj u_j)].
   ///
   /// The second term has no sum: grains slow down the particles around them, each in its own
   /// motion.
   void give_to_fluid(const G& grains, F& fluid, double time_step) {
-    const auto impulse = grains[drag_impulse];
+    const auto impulse = grains[exchanged_impulse];
     const auto x = grains[position];
     const NearestImage<dimension, Real> nearest(grains.box());
     impulses_.resize(ids_of_grains_.size());
@@ -161,6 +169,7 @@ class Exchange {
     const auto acceleration = fluid[mps::momentum_exchange];
     const auto u = std::as_const(fluid)[velocity];
     const Real dt = Real(time_step);
+    velocities_before_.assign(u.begin(), u.end());
     for_each(fluid.size(), [&](Index i) {
       Vec sum = Vec::Zero();
       weights_.for_each_grain(i, [&](Index k, Real weight) {
@@ -170,24 +179,33 @@ class Exchange {
     });
   }
 
+  /// Work in a step.
+  struct Work {
+    WorkOnGrains on_grains;
+    double on_fluid = 0;  ///< of the exchange [J]
+  };
   /// Gives the grains the impulse −χ V ∇P Δt of the step that the flow has made, less that of
-  /// pressure_force, which acted for a time [s] on them.
-  void correct_grains(G& grains, const F& fluid, double time_step, double acted_for) {
-    const OwnWake<dimension> of_one{fluid_.density, fluid_.viscosity,
+  /// pressure_force, which acted for a time [s] on them, and the fluid that of the added mass.
+  /// Returns the work of this on grains, and that of the exchange in the step on the fluid.
+  Work correct(G& grains, F& fluid, double time_step, double acted_for) {
+    const OwnWake<dimension> of_one{settings_.density, settings_.viscosity,
                                     Weights<dimension, Real>::width() * double(reach_)};
-    const auto gradient = fluid[mps::pressure_gradient];
+    const auto gradient = std::as_const(fluid)[mps::pressure_gradient];
     const auto m = std::as_const(grains)[mass];
     const auto u = std::as_const(grains)[fluid_velocity];
-    const auto impulse = std::as_const(grains)[drag_impulse];
+    const auto impulse = std::as_const(grains)[exchanged_impulse];
     const auto before = std::as_const(grains)[pressure_force];
     const auto wake = grains[own_wake];
     const auto v = grains[velocity];
     places_.resize(ids_of_fluid_.size());
     for_each(places_.size(),
              [&](Index i) { places_[i] = std::uint32_t(fluid.index_of(ids_of_fluid_[i])); });
-    for_each(ids_of_grains_.size(), [&](Index k) {
+    Work work;
+    work.on_grains = ordered_sum(ids_of_grains_.size(), WorkOnGrains{}, [&](Index k) {
+      WorkOnGrains of_grain;
+      impulses_[k] = Vec::Zero();
       const Index now = grains.index_of(ids_of_grains_[k]);
-      if (now == no_index) return;
+      if (now == no_index) return of_grain;
       const Vec relative = v[now] - u[now];
       wake[now] = of_one.after(Vec(wake[now]), Vec(impulse[now]), double(relative.norm()),
                                double(rates_of_others_[k]), time_step);
@@ -195,8 +213,33 @@ class Exchange {
       weights_.for_each_particle(
           k, [&](Index i, Real weight) { of_gradients += weight * gradient[places_[i]]; });
       const Vec force = -volumes_[k] * of_gradients;
-      v[now] += (Real(time_step) * force - Real(acted_for) * before[now]) / m[now];
+      const Vec of_pressure = Real(time_step) * force - Real(acted_for) * before[now];
+      const Vec change = of_pressure * Real(1 + settings_.added_mass) /
+                         Real(inert_mass(double(volumes_[k]), double(m[now])));
+      if (settings_.added_mass > 0) impulses_[k] = m[now] * change - of_pressure;
+      const Vec mean = v[now] + change / 2;
+      of_grain.by_pressure = double(of_pressure.dot(mean));
+      of_grain.by_exchange = double(impulses_[k].dot(mean));
+      v[now] += change;
+      return of_grain;
     });
+    const auto exchanged = std::as_const(fluid)[mps::momentum_exchange];
+    const auto of_fluid = fluid[velocity];
+    work.on_fluid =
+        double(mass_) * ordered_sum(ids_of_fluid_.size(), 0.0, [&](Index i) {
+          const Index now = places_[i];
+          const Vec mean = (velocities_before_[i] + of_fluid[now]) / 2;
+          double of_particle = double(Real(time_step) * exchanged[now].dot(mean));
+          if (settings_.added_mass > 0) {
+            Vec sum = Vec::Zero();
+            weights_.for_each_grain(i, [&](Index k, Real weight) { sum += weight * impulses_[k]; });
+            const Vec change = -sum / mass_;
+            of_particle += double(change.dot(of_fluid[now] + change / 2));
+            of_fluid[now] += change;
+          }
+          return of_particle;
+        });
+    return work;
   }
 
  private:
@@ -207,6 +250,12 @@ class Exchange {
     return immersed * Real(dem::volume_of<dimension>(double(R)));
   }
 
+  // A change of ∇P accelerates a grain by this volume of it over this mass, with the added mass.
+  double moved_by_pressure(double volume) const { return (1 + settings_.added_mass) * volume; }
+  double inert_mass(double volume, double mass_of_grain) const {
+    return mass_of_grain + settings_.added_mass * settings_.density * volume;
+  }
+
   // χ follows from the share of the reach of a grain that fluid and grains fill. In the fluid it is
   // 1 also in the corner of a tank, where they fill a quarter in 2D, and an eighth in 3D, and 0
   // where the fluid does not go on around the grain. Among particles of the free surface it is a
@@ -214,8 +263,8 @@ class Exchange {
   void find_immersion(G& grains, const F& fluid) {
     const auto on_surface = fluid[mps::surface];
     const auto fraction = fluid[mps::fluid_fraction];
-    const double full =
-        Weights<dimension, Real>::integral() * std::pow(double(reach_) / fluid_.spacing, dimension);
+    const double full = Weights<dimension, Real>::integral() *
+                        std::pow(double(reach_) / settings_.spacing, dimension);
     const auto immersed = grains[immersion];
     may_be_dry_.resize(grains.size());
     for_each(grains.size(), [&](Index k) {
@@ -235,7 +284,7 @@ class Exchange {
   }
   // The smallest ε that the flow allows.
   double least_of_flow() const {
-    return 1 / mps::OwnDensity<dimension, Real>::largest_volume(fluid_.radius);
+    return 1 / mps::OwnDensity<dimension, Real>::largest_volume(settings_.radius);
   }
   // Few particles among many grains, as on a slope that falls dry, are not a fluid around them: on
   // the surface, ε is not below that of the closest packing, nor what the flow allows.
@@ -243,7 +292,7 @@ class Exchange {
     const auto may_be_dry = [&](Index k) { return may_be_dry_[k] != 0; };
     if (first_where(grains.size(), may_be_dry) == no_index) return;
     const double least = std::max(closest_packing, least_of_flow());
-    const double most = (1 - 1e-6) * std::pow(fluid_.spacing, dimension) * (1 / least - 1);
+    const double most = (1 - 1e-6) * std::pow(settings_.spacing, dimension) * (1 / least - 1);
     shares_.resize(fluid.size());
     for_each(fluid.size(), [&](Index i) {
       const double solid = solid_around(grains, i);
@@ -279,7 +328,7 @@ class Exchange {
         solid_rates_[i] += volumes_[k] * of_weight;
       });
     }
-    const Real particle = Real(std::pow(fluid_.spacing, dimension));
+    const Real particle = Real(std::pow(settings_.spacing, dimension));
     for_each(fluid.size(),
              [&](Index i) { rate[i] = -squared(fraction[i]) / particle * solid_rates_[i]; });
   }
@@ -311,7 +360,7 @@ class Exchange {
     for_each(fluid.size(), [&](Index i) { ids_of_fluid_[i] = fluid.id(i); });
   }
 
-  FluidOfExchange fluid_;
+  ExchangeSettings settings_;
   Vec gravity_;
   Real reach_;  // of the weights [m]
   Real mass_;   // of a particle of the fluid [kg]
@@ -326,7 +375,8 @@ class Exchange {
   Buffer<Real> volumes_;          // χ V [m³]
   Buffer<std::uint8_t> may_be_dry_;  // of a grain
   Buffer<Real> shares_;              // of χ that leave enough fluid, of particles
-  Buffer<Vec> impulses_;          // of drag [N s]
+  Buffer<Vec> impulses_;             // of the exchange on grains [N s]
+  Buffer<Vec> velocities_before_;    // of particles, in the step [m/s]
   Buffer<Vec> velocities_;        // mean ones of the grains in the step [m/s]
   Buffer<Real> solid_rates_;      // Σ_k χ V dW_ki/dt [m³/s]
 };

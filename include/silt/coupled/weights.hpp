@@ -63,6 +63,16 @@ class Weights {
     const Set& set = sets_[row.set];
     for (Index n = row.first; n < row.end; ++n) f(Index(owners_[set.point[n]]), set.weight[n]);
   }
+  /// f(i, W, x_i − x_k [m]) for the same, as they were when they were found.
+  template <class F>
+  void for_each_offset(Index k, F&& f) const {
+    const Row row = rows_[k];
+    const Set& set = sets_[row.set];
+    for (Index n = row.first; n < row.end; ++n) {
+      const Index point = set.point[n];
+      f(Index(owners_[point]), set.weight[n], Vec(points_[point] - centres_[k]));
+    }
+  }
   /// f(i, dW_ki/dt [1/s]) for the same, where grain k moves with v_k [m/s], and particle i with
   /// u_i: Σ_i dW_ki/dt = 0.
   template <class Velocities, class F>
