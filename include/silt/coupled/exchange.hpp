@@ -95,7 +95,7 @@ class Exchange {
          {.particle = dense, .id = grains.id(dense)});
   }
 
-  /// u, its vorticity, ε, −χ V ∇P and the mobility of the fluid around each grain.
+  /// u, its vorticity, ε, β, −χ V ∇P and the mobility of the fluid around each grain.
   /// coefficient_of(diameter, ε, speed, χ) is β of a grain, see FluidForces::coefficient(); the
   /// step has this length [s].
   template <class CoefficientOf>
@@ -112,6 +112,7 @@ class Exchange {
     const auto undisturbed = grains[fluid_velocity];
     const auto accelerated = grains[fluid_acceleration];
     const auto share = grains[fluid_share];
+    const auto drag = grains[drag_coefficient];
     const auto of_pressure = grains[pressure_force];
     const auto vorticity = grains[fluid_vorticity];
     const auto impulse = grains[exchanged_impulse];
@@ -135,7 +136,7 @@ class Exchange {
       of_pressure[k] = -volumes_[k] * of_gradients;
       impulse[k] = Vec::Zero();
       const double speed = double(Vec(undisturbed[k] - v[k]).norm());
-      coefficients_[k] =
+      coefficients_[k] = drag[k] =
           immersed[k] > 0
               ? Real(coefficient_of(2 * double(R[k]), double(epsilon), speed, double(immersed[k])))
               : Real(0);

@@ -31,8 +31,8 @@ struct FluidForceCoefficients {
 ///   u' − u = Δt (a − D β (u' − v'))
 ///
 /// F are all other forces: this part is the last one of Forces. a is the acceleration of the fluid
-/// around the grain without the drag, D its mobility. u, ω, a, D and ε are those that Coupled has
-/// set; V is the immersed volume.
+/// around the grain without the drag, D its mobility. u, ω, a, D, and β of the velocities at the
+/// beginning of the flow's step, are those that Coupled has set; V is the immersed volume.
 template <DragLaw Drag>
 class FluidForces {
  public:
@@ -129,8 +129,8 @@ class FluidForces {
     const auto u = std::as_const(grains)[fluid_velocity];
     const auto a = std::as_const(grains)[fluid_acceleration];
     const auto vorticity = std::as_const(grains)[fluid_vorticity];
-    const auto share = std::as_const(grains)[fluid_share];
     const auto immersed = std::as_const(grains)[immersion];
+    const auto coefficients = std::as_const(grains)[drag_coefficient];
     const auto of_pressure = std::as_const(grains)[pressure_force];
     const auto mobility = std::as_const(grains)[fluid_mobility];
     const auto v = std::as_const(grains)[velocity];
@@ -144,8 +144,7 @@ class FluidForces {
       if (immersed[i] > 0) {
         F[i] += of_pressure[i];
         const Vec relative = u[i] + end * a[i] - mobility[i] * impulse[i] - v[i];
-        const Real beta = Real(coefficient(2 * double(R[i]), double(share[i]),
-                                           double(relative.norm()), double(immersed[i])));
+        const Real beta = coefficients[i];
         const Real volume = immersed[i] * Real(dem::volume_of<P::dimension>(double(R[i])));
         const Real M = added_mass * volume, inert = m[i] + M, moved = (1 - M * mobility[i]) / inert;
         const Vec further = M * a[i] - lift * volume * cross(vorticity[i], relative);
