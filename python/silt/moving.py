@@ -261,6 +261,7 @@ class FloatingBody:
     held                 for each axis, whether it keeps its first velocity along it, whatever the load; none if not
                          given
     keeps_orientation    it does not turn
+    friction             coefficient of its friction on walls, and on other bodies, of which the smaller one counts
     load                 load(state, time) of springs, moorings and the like: returns force [N] and torque about the
                          centre of mass [N m], a number in 2D, such as ((0, 1), 0). It must be a function of the
                          BodyState and the time [s] alone: a checkpoint does not keep it
@@ -273,13 +274,14 @@ class FloatingBody:
     spin: tuple[float, ...] | None = None
     held: tuple[bool, ...] | None = None
     keeps_orientation: bool = False
+    friction: float = 0
     load: Callable | None = None
 
     def __post_init__(self):
         arguments.convert(
             self, faces=arguments.faces, density=arguments.optional(arguments.number),
             velocity=arguments.optional(arguments.vector), spin=arguments.optional(arguments.angular),
-            held=arguments.optional(arguments.flags), keeps_orientation=arguments.flag)
+            held=arguments.optional(arguments.flags), keeps_orientation=arguments.flag, friction=arguments.number)
         if (self.density is None) == (self.mass_properties is None):
             raise Error(f"FloatingBody: density = {self.density!r} and mass_properties = {self.mass_properties!r}; "
                         "give one of them")

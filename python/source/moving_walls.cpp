@@ -176,6 +176,7 @@ mps::FloatingBody<Dim> body_from(const py::handle& object) {
     for (int k = 0; k < Dim; ++k) body.is_held[Index(k)] = held[k] != 0;
   }
   body.keeps_orientation = object.attr("keeps_orientation").cast<bool>();
+  body.friction = number(object, "friction");
   if (object.attr("load").is_none()) return body;
   const PythonFunction function(object.attr("_load_numbers"));
   body.load = [function](const BodyState<Dim>& state, double time) {

@@ -253,6 +253,54 @@ TEST(FloatingBodies, StopASpacingBeforeWallsAndEachOther) {
   expect_a_spacing_between_bodies<3>();
 }
 
+// The only test of friction of bodies: a box that slides on the floor loses μ of what the floor
+// takes from its fall, or stops; of two that rub at each other, no momentum changes.
+template <int Dim>
+void expect_friction_of_coulomb() {
+  const double half = 2 * l0, mu = 0.3;
+  const Vec<Dim> up = Vec<Dim>::Unit(Dim - 1), ahead = Vec<Dim>::Unit(0);
+  // The boxes after contacts have changed their velocities, one a spacing above the other.
+  const auto after = [&](const std::vector<Vec<Dim>>& velocities,
+                         const std::vector<Face<Dim>>& rest) {
+    std::vector<mps::BodyInFlow<Dim>> bodies;
+    std::vector<std::vector<Face<Dim>>> faces;
+    for (const Vec<Dim>& velocity : velocities) {
+      Vec<Dim> centre = Vec<Dim>::Constant(0.5);
+      centre[Dim - 1] = half + l0 + (2 * half + l0) * double(faces.size());
+      faces.push_back(faces_of_box(centre, Vec<Dim>(Vec<Dim>::Constant(half))));
+      bodies.emplace_back(
+          "box", mps::FloatingBody<Dim>{
+                     .faces = faces.back(), .density = 2000, .velocity = velocity, .friction = mu});
+    }
+    mps::BodyContacts<Dim>{}.end_approaches(
+        bodies, Faces<Dim>("test", rest, faces), l0, 1e-3,
+        [](std::size_t b) { return std::uint32_t(b + 1); },
+        [](std::uint32_t, const Vec<Dim>&) { return Vec<Dim>(Vec<Dim>::Zero()); });
+    return bodies;
+  };
+  Vec<Dim> middle = Vec<Dim>::Constant(0.5), size = middle;
+  middle[Dim - 1] = -0.5;
+  const auto floor = faces_of_box(middle, size);
+  const double fall = 0.1;
+  for (const double speed : {0.2, 0.01}) {
+    const auto box = after({speed * ahead - fall * up}, floor)[0];
+    const Vec<Dim> left = std::max(speed - mu * fall, 0.0) * ahead;
+    EXPECT_LT((box.momentum() / box.mass_properties().mass - left).norm(), 1e-6 * fall);
+  }
+  const std::vector<Vec<Dim>> velocities{Vec<Dim>(0.1 * ahead), Vec<Dim>(-fall * up)};
+  const auto both = after(velocities, {});
+  Vec<Dim> change = Vec<Dim>::Zero();
+  for (std::size_t b = 0; b < 2; ++b) {
+    change += both[b].momentum() - both[b].mass_properties().mass * velocities[b];
+  }
+  EXPECT_LT(change.norm(), 1e-12 * both[0].momentum().norm());
+  EXPECT_LT(both[0].momentum()[0], 0.99 * both[0].mass_properties().mass * 0.1);
+}
+TEST(FloatingBodies, RubAtWallsAndEachOther) {
+  expect_friction_of_coulomb<2>();
+  expect_friction_of_coulomb<3>();
+}
+
 using FloatingBodiesRestarted = FileTest;
 TEST_F(FloatingBodiesRestarted, KeepTheBits) {
   const auto make = [] {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Walls that move and bodies that float against linear theory, Archimedes and Zhao and Faltinsen: the rows of
 // docs/verification.md.
+#include <silt/core/parallel.hpp>
+#include <silt/geometry/close_faces.hpp>
 #include <silt/measure/wall_load.hpp>
 #include <silt/mps.hpp>
 #include <silt/mps/setup/remove_inside.hpp>
@@ -10,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -131,6 +134,53 @@ TEST(FloatingBox, TurnsOverIfItIsATenthNarrowerThanItsKnownWidth) {
     const double expected = tan2 > 0 ? std::atan(std::sqrt(tan2)) : 0;
     EXPECT_NEAR(std::abs(sum / duration), expected, 0.05) << width;
   }
+}
+
+// The only one of many bodies that touch: ten boxes that a dam break throws over keep their
+// distance, and where they end is the same on any threads.
+TEST(PileOfBoxes, IsHitByADamBreak) {
+  constexpr double l0 = 0.01, side = 0.08, density = 600, depth = 0.4;
+  std::vector<mps::FloatingBody<2>> boxes;
+  for (int row = 0; row < 4; ++row) {
+    for (int k = 0; k < 4 - row; ++k) {
+      const Vec<2> lower(1 + (side + l0) * (k + row / 2.0), l0 + (side + l0) * row);
+      boxes.push_back({.faces = faces_of_box(lower, lower + Vec<2>(side, side)),
+                       .density = density,
+                       .friction = 0.4});
+    }
+  }
+  const auto end_of = [&](int threads) {
+    use_threads(threads);
+    Settings settings{.spacing = l0, .speed_scale = 3};
+    settings.walls.segments = polyline({{0, 0.8}, {0, 0}, {2, 0}, {2, 0.8}});
+    settings.walls.moving_2d = mps::MovingWalls<2>{.bodies = boxes};
+    auto sim = simulation_of(water_in({0, 0}, {depth, depth}, l0), settings);
+    const auto& walls = sim.interaction().walls();
+    double closest = 1;
+    while (sim.time() < 0.7) {
+      sim.step();
+      const auto& faces = walls.faces();
+      for (std::uint32_t box = 1; box <= boxes.size(); ++box) {
+        for_each_close_pair(faces, box, 2 * l0, [&](std::uint32_t own, std::uint32_t other) {
+          for_each_closest_points(faces[own].face, faces[other].face,
+                                  [&](const Vec<2>& x, const Vec<2>& y) {
+                                    closest = std::min(closest, (x - y).norm());
+                                  });
+        });
+      }
+    }
+    EXPECT_GT(closest, l0 - 0.01 * side);
+    std::vector<double> end;
+    for (const auto& box : walls.bodies()) {
+      const BodyState<2> state = box.state();
+      end.insert(end.end(), {state.position[0], state.position[1], state.orientation.angle});
+    }
+    return end;
+  };
+  const std::vector<double> end = end_of(1);
+  EXPECT_GT(end[27], 1.3) << "the uppermost box was not thrown over";
+  EXPECT_EQ(end, end_of(2));
+  use_threads(1);
 }
 
 // The only one of a body in waves: a box of a ninth of the wave length, before waves return from

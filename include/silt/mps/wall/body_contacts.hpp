@@ -20,8 +20,10 @@ namespace silt::mps {
 
 /// Keeps bodies a spacing l0 apart from walls and from each other, as the flow between closer faces
 /// is not resolved: where a step would bring faces closer, impulses along the line between their
-/// closest points end the approach, without rebound and without friction. They are found one after
-/// another, as often as it takes (projected Gauss–Seidel), and change the momentum of the bodies.
+/// closest points end the approach, without rebound. Across them, friction of Coulomb resists the
+/// sliding, in the middle between both points, where it keeps the angular momentum of bodies. They
+/// are found one after another, as often as it takes (projected Gauss–Seidel, [Jean1999]), and
+/// change the momentum of the bodies.
 template <int Dim>
 class BodyContacts {
  public:
@@ -46,6 +48,10 @@ class BodyContacts {
             Contact contact;
             contact.body = b;
             contact.other = is_of_body ? group - first_body : bodies.size();
+            contact.friction = bodies[b].friction();
+            if (is_of_body) {
+              contact.friction = std::min(contact.friction, bodies[contact.other].friction());
+            }
             for_each_closest_points(
                 faces[own].face, faces[other].face, [&](const Vec& x, const Vec& y) {
                   const double distance = (x - y).norm();
@@ -88,6 +94,10 @@ class BodyContacts {
     double approach = 0;                 // the fastest that is allowed [m/s]
     double mass = 0;                     // that an impulse moves [kg]
     double impulse = 0;                  // so far [N s]
+    double friction = 0;                 // coefficient [-]
+    Vec across = Vec::Zero();            // impulse of friction, so far [N s]
+
+    Vec middle() const { return (x + y) / 2; }
   };
 
   // Until they change velocities by little, compared with a scale [m/s].
@@ -100,11 +110,14 @@ class BodyContacts {
       }
       contact.mass = mobility > 0 ? 1 / mobility : 0;
       contact.impulse = 0;
+      contact.across.setZero();
     }
     for (int k = 0; k < max_iterations; ++k) {
       double largest_change = 0;
       for (Contact& contact : contacts_) {
         largest_change = std::max(largest_change, push(which, bodies, contact));
+        if (!(contact.friction > 0)) continue;
+        largest_change = std::max(largest_change, rub(which, bodies, contact));
       }
       if (largest_change < 1e-9 * scale) break;
     }
@@ -161,6 +174,31 @@ class BodyContacts {
     body.push(which, contact.x, Vec(change * contact.normal));
     if (has_other) bodies[contact.other].push(which, contact.y, Vec(-change * contact.normal));
     return std::abs(change) / contact.mass;
+  }
+
+  // The same, of the velocity along the faces, of which friction takes as much as it can.
+  static double rub(Of which, std::vector<BodyInFlow<Dim>>& bodies, Contact& contact) {
+    BodyInFlow<Dim>& body = bodies[contact.body];
+    const bool has_other = contact.other < bodies.size();
+    const Vec at = contact.middle();
+    Vec slip =
+        body.velocity_at(which, at) -
+        (has_other ? bodies[contact.other].velocity_at(which, at) : contact.velocity_of_wall);
+    slip -= slip.dot(contact.normal) * contact.normal;
+    const double speed = slip.norm();
+    if (!(speed > 0)) return 0;
+    const Vec along = slip / speed;
+    double mobility = body.mobility(which, at, along);
+    if (has_other) mobility += bodies[contact.other].mobility(which, at, along);
+    if (!(mobility > 0)) return 0;
+    Vec across = contact.across - slip / mobility;
+    const double most = contact.friction * contact.impulse, size = across.norm();
+    if (size > most) across *= most / size;
+    const Vec change = across - contact.across;
+    contact.across = across;
+    body.push(which, at, change);
+    if (has_other) bodies[contact.other].push(which, at, Vec(-change));
+    return change.norm() * mobility;
   }
 
   Buffer<Contact> contacts_;

@@ -51,6 +51,7 @@ class BodyInFlow {
   BodyInFlow(const std::string& name, const FloatingBody<Dim>& body) : body_(body) {
     require_finite((name + ": velocity").c_str(), body.velocity);
     require_finite((name + ": spin").c_str(), body.spin);
+    require_not_negative((name + ": friction").c_str(), body.friction);
     if (body.keeps_orientation && squared_norm(body.spin) > 0) {
       fail({name, ": spin = ", to_text(body.spin), " 1/s, but it keeps its orientation; give no spin"});
     }
@@ -100,6 +101,7 @@ class BodyInFlow {
             .spin = now_.spin_of_faces.velocity};
   }
   double volume() const { return volume_; }  ///< inside its faces [m³]
+  double friction() const { return body_.friction; }  ///< coefficient [-]
   /// Whether the fluid cannot move it.
   bool is_held() const {
     return body_.keeps_orientation && std::ranges::all_of(body_.is_held, std::identity{});

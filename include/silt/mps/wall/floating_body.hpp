@@ -39,6 +39,9 @@ struct FloatingBody {
   /// Along these axes it keeps its first velocity, whatever the load.
   std::array<bool, std::size_t(Dim)> is_held = {};
   bool keeps_orientation = false;  ///< it does not turn
+  /// Coefficient of its friction on walls, and on other bodies, of which the smaller one counts
+  /// [-].
+  double friction = 0;
   /// Load of springs, moorings and the like, at a time [s]; none if empty. It must be a function of
   /// state and time only: after a restart, and on other processes, it is called again.
   std::function<BodyLoad<Dim>(const BodyState<Dim>&, double time)>

@@ -85,6 +85,7 @@ struct MovingWalls {
       for (int k = 0; k < angular_size<Dim>; ++k) sum.add_number(component(body.spin, k));
       for (const bool is_held : body.is_held) sum.add(std::uint64_t(is_held));
       sum.add(std::uint64_t(body.keeps_orientation));
+      if (body.friction > 0) sum.add_number(body.friction);
       sum.add(std::uint64_t(body.load ? 1 : 0));
     }
   }
