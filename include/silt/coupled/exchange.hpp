@@ -322,16 +322,26 @@ class Exchange {
     const auto u = std::as_const(fluid)[velocity];
     const auto fraction = std::as_const(fluid)[mps::fluid_fraction];
     const auto rate = fluid[mps::fluid_fraction_rate];
-    solid_rates_.assign(fluid.size(), 0);
-    for (Index k = 0; k < weights_.grains(); ++k) {
-      if (!(volumes_[k] > 0)) continue;
-      weights_.for_each_rate(k, velocities_[k], u, [&](Index i, Real of_weight) {
-        solid_rates_[i] += volumes_[k] * of_weight;
-      });
-    }
+    // Of a fixed number of blocks of grains, so that the sums are the same on any number of
+    // threads.
+    constexpr Index blocks = 8;
+    const Index particles = fluid.size();
+    solid_rates_.assign(blocks * particles, 0);
+    for_each_task(blocks, [&](Index block) {
+      const Index end = weights_.grains() * (block + 1) / blocks;
+      for (Index k = weights_.grains() * block / blocks; k < end; ++k) {
+        if (!(volumes_[k] > 0)) continue;
+        weights_.for_each_rate(k, velocities_[k], u, [&](Index i, Real of_weight) {
+          solid_rates_[block * particles + i] += volumes_[k] * of_weight;
+        });
+      }
+    });
     const Real particle = Real(std::pow(settings_.spacing, dimension));
-    for_each(fluid.size(),
-             [&](Index i) { rate[i] = -squared(fraction[i]) / particle * solid_rates_[i]; });
+    for_each(particles, [&](Index i) {
+      Real solid = 0;
+      for (Index block = 0; block < blocks; ++block) solid += solid_rates_[block * particles + i];
+      rate[i] = -squared(fraction[i]) / particle * solid;
+    });
   }
   // D_k = Σ_i W_ki Σ_l W_li β_l/(β_k m): of all grains around a particle, each drags its share of it.
   void find_mobilities(G& grains, Index particles, double time_step) {
@@ -379,7 +389,7 @@ class Exchange {
   Buffer<Vec> impulses_;             // of the exchange on grains [N s]
   Buffer<Vec> velocities_before_;    // of particles, in the step [m/s]
   Buffer<Vec> velocities_;        // mean ones of the grains in the step [m/s]
-  Buffer<Real> solid_rates_;      // Σ_k χ V dW_ki/dt [m³/s]
+  Buffer<Real> solid_rates_;      // Σ_k χ V dW_ki/dt, by block of grains [m³/s]
 };
 
 }  // namespace silt::coupled

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 
 namespace silt::coupled {
 
@@ -168,22 +169,35 @@ class Weights {
     sums_[k] = sum;
     rows_[k] = {std::uint32_t(number), begin, end};
   }
+  // The grains of each particle in ascending order, whatever the number of blocks.
   void transpose() {
-    first_.assign(fluid_ + 1, 0);
-    for (const Set& set : sets_) {
-      for (const std::uint32_t n : set.point) ++first_[owners_[n] + 1];
-    }
-    for (Index i = 0; i < fluid_; ++i) first_[i + 1] += first_[i];
-    next_.assign(first_.begin(), first_.end());
-    grain_.resize(first_[fluid_]);
-    weight_.resize(first_[fluid_]);
-    for (Index k = 0; k < rows_.size(); ++k) {
-      for_each_particle(k, [&](Index i, Real weight) {
-        const Index place = next_[i]++;
-        grain_[place] = std::uint32_t(k);
-        weight_[place] = weight;
+    const auto blocks = Index(threads_for(rows_.size()));
+    next_.assign(blocks * fluid_, 0);
+    const auto for_each_pair = [&](auto&& f) {
+      for_each_task(blocks, [&](Index block) {
+        const Index end = rows_.size() * (block + 1) / blocks;
+        std::uint32_t* const next = next_.data() + block * fluid_;
+        for (Index k = rows_.size() * block / blocks; k < end; ++k) {
+          for_each_particle(k, [&](Index i, Real weight) { f(next[i]++, k, weight); });
+        }
       });
+    };
+    for_each_pair([](std::uint32_t, Index, Real) {});
+    first_.resize(fluid_ + 1);
+    std::uint32_t pairs = 0;
+    for (Index i = 0; i < fluid_; ++i) {
+      first_[i] = pairs;
+      for (Index block = 0; block < blocks; ++block) {
+        pairs += std::exchange(next_[block * fluid_ + i], pairs);
+      }
     }
+    first_[fluid_] = pairs;
+    grain_.resize(pairs);
+    weight_.resize(pairs);
+    for_each_pair([&](std::uint32_t place, Index k, Real weight) {
+      grain_[place] = std::uint32_t(k);
+      weight_[place] = weight;
+    });
   }
 
   Buffer<Vec> points_;
@@ -195,7 +209,8 @@ class Weights {
   Buffer<Row> rows_;
   Buffer<Real> sums_;
   Buffer<Set> sets_;
-  Buffer<Index> first_, next_;  // of each fluid particle
+  Buffer<std::uint32_t> first_;  // of each fluid particle
+  Buffer<std::uint32_t> next_;   // of each, by block of grains
   Buffer<std::uint32_t> grain_;
   Buffer<Real> weight_;
 };
