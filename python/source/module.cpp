@@ -73,6 +73,41 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+// What advances in time.
+template <class Any>
+auto bind_core(py::module_& module, const char* name) {
+  using C = CoreOf<Any>;
+  return py::class_<C, std::shared_ptr<C>>(module, name)
+      .def_property_readonly("dimension", [](C& core) { return core.use("dimension").dimension(); })
+      .def_property_readonly("time", [](C& core) { return core.use("time").time(); })
+      .def_property_readonly("steps", [](C& core) { return core.use("steps").steps(); })
+      .def_property_readonly("last_time_step",
+                             [](C& core) { return core.use("last_time_step").last_time_step(); })
+      .def("time_step", [](C& core) { return core.use("time_step").time_step(); })
+      .def("step", &C::step)
+      .def("run",
+           [](C& core, double until, double output_every, std::optional<double> time_step,
+              bool end_exactly, const py::object& observer) {
+             core.run({.until = until,
+                       .output_every = output_every,
+                       .time_step = time_step,
+                       .end_exactly = end_exactly},
+                      observer);
+           })
+      .def("write_frame",
+           [](C& core, VtkSeries& frames) { core.use("write_frame").write_frame(frames); })
+      .def("write_checkpoint",
+           [](C& core, const std::filesystem::path& path) {
+             core.use("write_checkpoint").write_checkpoint(path);
+           })
+      .def("read_checkpoint", [](C& core, const std::filesystem::path& path,
+                                 bool accepts_other_setup) {
+        core.advance("read_checkpoint", [&](Any& simulation) {
+          simulation.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
+        });
+      });
+}
+
 }  // namespace
 }  // namespace silt::python
 
@@ -94,14 +129,8 @@ PYBIND11_MODULE(_silt, module) {
       .def(py::init<std::filesystem::path>())
       .def_property_readonly("frames", [](const VtkWalls& frames) { return frames.frames(); });
 
-  py::class_<Core, std::shared_ptr<Core>>(module, "Core")
-      .def_property_readonly("dimension",
-                             [](Core& core) { return core.use("dimension").dimension(); })
+  bind_core<AnySimulation>(module, "Core")
       .def_property_readonly("size", [](Core& core) { return core.use("size").size(); })
-      .def_property_readonly("time", [](Core& core) { return core.use("time").time(); })
-      .def_property_readonly("steps", [](Core& core) { return core.use("steps").steps(); })
-      .def_property_readonly("last_time_step",
-                             [](Core& core) { return core.use("last_time_step").last_time_step(); })
       .def_property_readonly("particles_lost",
                              [](Core& core) { return core.use("particles_lost").particles_lost(); })
       .def_property_readonly("ids",
@@ -119,17 +148,6 @@ PYBIND11_MODULE(_silt, module) {
                              })
       .def("view", &Core::view)
       .def("snapshot", [](Core& core) { return dict_of(core.use("snapshot").snapshot()); })
-      .def("time_step", [](Core& core) { return core.use("time_step").time_step(); })
-      .def("step", &Core::step)
-      .def("run",
-           [](Core& core, double until, double output_every, std::optional<double> time_step,
-              bool end_exactly, const py::object& observer) {
-             core.run({.until = until,
-                       .output_every = output_every,
-                       .time_step = time_step,
-                       .end_exactly = end_exactly},
-                      observer);
-           })
       .def("remove",
            [](Core& core, const std::vector<Id>& ids) { core.change("remove").remove(ids); })
       .def("energies",
@@ -139,16 +157,6 @@ PYBIND11_MODULE(_silt, module) {
                all[py::str(name)] = value;
              }
              return all;
-           })
-      .def("write_frame",
-           [](Core& core, VtkSeries& frames) { core.use("write_frame").write_frame(frames); })
-      .def("write_checkpoint",
-           [](Core& core, const std::filesystem::path& path) {
-             core.use("write_checkpoint").write_checkpoint(path);
-           })
-      .def("read_checkpoint",
-           [](Core& core, const std::filesystem::path& path, bool accepts_other_setup) {
-             core.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
            })
       .def("set_wall_present",
            [](Core& core, Index wall, bool present) {
