@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What advances in time."""
+"""What advances in time: simulations, and two in one."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from .error import Error
 
 
 class Advancing:
-    """Base of Simulation: steps, runs and checkpoints."""
+    """Base of Simulation and Coupled: steps, runs and checkpoints."""
 
     __slots__ = ("__weakref__", "_core")
 
     def __reduce_ex__(self, protocol):
-        raise TypeError(f"a silt.{type(self).__name__} cannot be copied or pickled; write_checkpoint() writes its "
-                        "state")
+        raise TypeError(f"a silt.{type(self).__name__} cannot be copied or pickled; write_checkpoint() "
+                        "writes its state")
 
     # --- time
 
@@ -89,7 +89,8 @@ class Advancing:
             time_step = arguments.number(name + "time_step", time_step)
         # A run ends up to one step after its `until`: it may be repeated.
         if until < self.time - self.last_time_step:
-            raise Error(f"{name}until = {until:g} s is in the past, as the time is {self.time:g} s; give a later one")
+            raise Error(f"{name}until = {until:g} s is in the past, as the time is {self.time:g} s; "
+                        "give a later one")
         if observer is None:
             observers = []
         elif isinstance(observer, Iterable) and not callable(observer):
@@ -98,7 +99,8 @@ class Advancing:
             observers = [observer]
         for each in observers:
             if not callable(each):
-                raise Error(f"{name}the observer {each!r} cannot be called; give a function of the simulation")
+                raise Error(f"{name}the observer {each!r} cannot be called; give a function of the "
+                            "simulation")
 
         def observe():
             for each in observers:

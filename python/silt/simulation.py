@@ -164,7 +164,8 @@ class Simulation(Advancing):
 
 
 class VtkSeries:
-    """Observer that writes frames for ParaView: the folder `path`, and `path`.pvd, the file to open."""
+    """Observer that writes frames for ParaView: the folder `path`, and `path`.pvd, the file to open. Of a Coupled,
+    one series has both grains and fluid."""
 
     def __init__(self, path):
         self._frames = _silt.VtkSeries(arguments.path("VtkSeries: path", path))
@@ -181,13 +182,13 @@ class VtkSeries:
 class VtkWalls:
     """Observer of flows that writes frames of their walls for ParaView, where they are, with their group and velocity:
     the folder `path`, and `path`.pvd, the file to open. Group 0 is at rest; then follow the moving walls, and the
-    bodies."""
+    bodies. Of a Coupled, those of its fluid."""
 
     def __init__(self, path):
         self._frames = _silt.VtkWalls(arguments.path("VtkWalls: path", path))
 
     def __call__(self, simulation: Advancing) -> None:
-        simulation._core.write_walls(self._frames)
+        getattr(simulation, "fluid", simulation)._core.write_walls(self._frames)
 
     @property
     def frames(self) -> int:

@@ -5,6 +5,7 @@
 #include <silt/core/types.hpp>
 #include <silt/version.hpp>
 
+#include "any_coupled.hpp"
 #include "any_simulation.hpp"
 #include "any_wall.hpp"
 #include "arrays.hpp"
@@ -16,9 +17,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +49,8 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
      "lower the time step, or raise ContactSettings::max_energy_gain",
      "lower the time step"},
     {"; set it, or add grains by add_grain()", "; set it"},
+    {"with FlowSettings: viscosity", "with viscosity"},
+    {"or the grains NoDrag", "or drag=None to Coupled"},
     {"set Box::on_escape to OnEscape::remove", "set on_escape to 'remove'"},
     {"move it to the other side of the wall beside it, or set ImageWalls::let_fluid_fall",
      "change the gravity, or close the tank by lid=True"},
@@ -73,7 +78,7 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
-// What advances in time.
+// What simulations, and two in one, have in common.
 template <class Any>
 auto bind_core(py::module_& module, const char* name) {
   using C = CoreOf<Any>;
@@ -106,6 +111,35 @@ auto bind_core(py::module_& module, const char* name) {
           simulation.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
         });
       });
+}
+
+using CoupledCore = CoreOf<AnyCoupled>;
+
+/// None, the name of a law, or β of a linear one.
+AnyDrag drag_of(const py::object& drag) {
+  if (drag.is_none()) return {};
+  if (py::isinstance<py::float_>(drag)) {
+    const double linear = drag.cast<double>();
+    require_positive("Coupled: drag", linear);
+    return {.linear = linear};
+  }
+  const std::string name = drag.cast<std::string>();
+  const auto found = std::ranges::find(drag_laws, name, &NamedDrag::name);
+  return {.is_named = true, .place = std::uint64_t(found - std::begin(drag_laws))};
+}
+
+/// Two simulations in one, and what each of them is then.
+py::tuple join(Core& grains, Core& fluid, const Joint& joint) {
+  Joined joined = grains.advance("run", [&](AnySimulation& of_grains) {
+    return fluid.advance("run", [&](AnySimulation& of_fluid) {
+      return of_grains.dimension() == 2 ? join<2>(of_grains, of_fluid, joint)
+                                        : join<3>(of_grains, of_fluid, joint);
+    });
+  });
+  const auto usage = std::make_shared<Usage>();
+  return py::make_tuple(std::make_shared<CoupledCore>(std::move(joined.both), usage),
+                        std::make_shared<Core>(std::move(joined.grains), usage),
+                        std::make_shared<Core>(std::move(joined.fluid), usage));
 }
 
 }  // namespace
@@ -197,6 +231,20 @@ PYBIND11_MODULE(_silt, module) {
            [](Core& core, const std::vector<double>& point, const std::vector<double>& normal) {
              return core.use("wall_pressure").wall_pressure(point, normal);
            });
+
+  bind_core<AnyCoupled>(module, "CoupledCore")
+      .def("let_fluid_settle", [](CoupledCore& core, double tolerance, int max_steps) {
+        return core.advance("let_fluid_settle", [&](AnyCoupled& both) {
+          const Unlocked unlocked;
+          return both.let_fluid_settle(tolerance, max_steps);
+        });
+      });
+  py::list names;
+  for (const NamedDrag& law : drag_laws) names.append(std::string(law.name));
+  module.attr("drag_laws") = py::tuple(names);
+  module.def("join", [](Core& grains, Core& fluid, const py::object& drag, bool makes_room) {
+    return join(grains, fluid, {.drag = drag_of(drag), .makes_room = makes_room});
+  });
 
   module.def("grains", [](const Doubles& x, const Doubles& u, const Doubles& R,
                           const Doubles& density, const py::object& law, const py::list& walls,
