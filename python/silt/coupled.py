@@ -82,7 +82,7 @@ class Coupled(Advancing):
         tolerance    ends when no particle has moved by more in a step, over the spacing [-]
         max_steps    of the flow, after which it ends anyhow
 
-        Returns the last move, over the spacing [-]. Raises silt.Error after a step.
+        Returns the last move, over the spacing [-]. Raises silt.Error after a step. Ctrl-C waits for its end.
         """
         name = "Coupled.let_fluid_settle: "
         limit = arguments.number(name + "tolerance", tolerance)

@@ -261,6 +261,24 @@ class Runs(unittest.TestCase):
         self.assertEqual(bits_of_both(one), bits_of_both(other))
         self.assertEqual(one.fluid.openings, other.fluid.openings)
 
+    def test_go_on_with_a_body_after_particles_were_removed(self):
+        # The only test of measures, a body and removed particles in a Coupled.
+        box = silt.faces_of_box((0.3, 0.15), (0.5, 0.25))
+        x = silt.remove_inside(silt.lattice((0, 0), (0.6, 0.2), L0), box, L0)
+        flow = water(position=x, bodies=silt.FloatingBody(faces=box, density=500))
+        both = silt.Coupled(discs(position=silt.lattice((0.02, 0.05), (0.1, 0.1), 1.6 * D)), flow, drag=20.0)
+        both.run(until=0.05)
+        self.assertAlmostEqual(flow.body_load(0)[0][1], 500 * 0.2 * 0.1 * 9.81, delta=10)
+        self.assertAlmostEqual(flow.bodies[0].position[1], 0.2, delta=0.01)
+        self.assertAlmostEqual(flow.wall_pressure((0, 0.05), (1, 0)), 1000 * 9.81 * 0.15, delta=200)
+        self.assertGreater(flow.energies()["kinetic"], 0)
+        left = both.grains.ids[3:]
+        both.grains.remove(both.grains.ids[:3])
+        flow.remove(flow.ids[:2])
+        both.step(3)
+        self.assertEqual(sorted(both.grains.ids), sorted(left))
+        self.assertEqual(len(flow), len(x) - 2)
+
     def test_of_other_arguments_are_refused_by_name(self):
         # The only test of what a checkpoint of a Coupled is compared with.
         box = silt.Box(lower=(-1, -1), upper=(1, 1))
