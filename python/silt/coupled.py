@@ -31,6 +31,8 @@ class Coupled(Advancing):
     drag         law of drag of spheres, in 3D: "stokes" or "schiller_naumann", of single ones; "wen_yu", of
                  suspensions; "ergun", of packed beds; "gidaspow" or "di_felice", of both. None: no drag.
                  A number: β of a linear law, force = β (u − v) [kg/s], in 2D per metre of depth
+    added_mass   coefficient of the added mass, 1/2 of a sphere, 1 of a disc [-]
+    lift         coefficient of the lift, 1/2 of a sphere in a weak shear without viscosity [-]
     make_room    removes as many particles of the fluid as the grains displace, evenly, where they are, so
                  that its level stays; otherwise the grains raise it
 
@@ -47,7 +49,14 @@ class Coupled(Advancing):
     __slots__ = ("_fluid", "_grains")
 
     def __init__(
-        self, grains: Simulation, fluid: Simulation, *, drag: str | float | None, make_room: bool = False
+        self,
+        grains: Simulation,
+        fluid: Simulation,
+        *,
+        drag: str | float | None,
+        added_mass: float = 0.0,
+        lift: float = 0.0,
+        make_room: bool = False,
     ):
         for name, simulation in (("grains", grains), ("fluid", fluid)):
             if not isinstance(simulation, Simulation):
@@ -58,6 +67,8 @@ class Coupled(Advancing):
             grains._core,
             fluid._core,
             _drag("Coupled: drag", drag),
+            arguments.number("Coupled: added_mass", added_mass),
+            arguments.number("Coupled: lift", lift),
             arguments.flag("Coupled: make_room", make_room),
         )
         self._grains, self._fluid = grains, fluid

@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/coupled/drag.hpp>
+#include <silt/coupled/fluid_forces.hpp>
 
 #include "any_simulation.hpp"
 #include "setup_in_file.hpp"
@@ -75,6 +76,7 @@ struct Joined {
 /// How simulations are joined.
 struct Joint {
   AnyDrag drag;
+  coupled::FluidForceCoefficients coefficients;
   bool makes_room = false;  ///< see coupled::make_room()
 };
 

@@ -75,10 +75,10 @@ const Setup& setup_of(const AnySimulation& simulation, const std::string& which)
 }
 
 template <int Dim>
-auto grains_in_fluid(AnySimulation& grains, const GrainSetup<Dim>& setup, const AnyDrag& drag) {
+auto grains_in_fluid(AnySimulation& grains, const GrainSetup<Dim>& setup, const Joint& joint) {
   auto made =
       simulation_of(with_particles_of(grains, coupled::GrainsInFluid<Dim>(setup.box), "grains"),
-                    setup, AnyLaw(setup.law), coupled::FluidForces{drag});
+                    setup, AnyLaw(setup.law), coupled::FluidForces{joint.drag, joint.coefficients});
   auto& contacts = made.interaction().template part<1>();
   for (Index wall = 0; wall < setup.walls.size(); ++wall) {
     if (!grains.is_wall_present(wall)) contacts.set_wall_present(wall, false);
@@ -97,7 +97,7 @@ auto fluid_around(AnySimulation& fluid, const FlowSetup<Dim>& setup) {
 template <int Dim>
 using GrainsInFluidType =
     decltype(grains_in_fluid(std::declval<AnySimulation&>(), std::declval<const GrainSetup<Dim>&>(),
-                             std::declval<const AnyDrag&>()));
+                             std::declval<const Joint&>()));
 template <int Dim>
 using FluidAroundType =
     decltype(fluid_around(std::declval<AnySimulation&>(), std::declval<const FlowSetup<Dim>&>()));
@@ -131,7 +131,11 @@ class CoupledSimulation final : public AnyCoupled {
                     std::shared_ptr<AnyOpenings<Dim>> openings)
       : both_(std::move(both)),
         arguments_(arguments_in_file(grains)),
-        openings_(std::move(openings)) {}
+        openings_(std::move(openings)) {
+    const coupled::FluidForceCoefficients& coefficients = forces().coefficients();
+    arguments_.all.push_back({"added_mass", {coefficients.added_mass}});
+    arguments_.all.push_back({"lift", {coefficients.lift}});
+  }
 
   int dimension() const override { return Dim; }
   double time() const override { return both_->time(); }
@@ -157,35 +161,36 @@ class CoupledSimulation final : public AnyCoupled {
 
   void write_frame(VtkSeries& frames) const override { frames(std::as_const(*both_)); }
   void write_checkpoint(const std::filesystem::path& path) const override {
-    silt::write_checkpoint(path, std::as_const(*both_), arguments_, drag(), openings_in_file());
+    silt::write_checkpoint(path, std::as_const(*both_), arguments_, forces().drag(),
+                           openings_in_file());
   }
   void read_checkpoint(const CheckpointToRead& from) override {
     ArgumentsInFile written = arguments_;
-    AnyDrag drag_written = drag();
+    AnyDrag drag = forces().drag();
     OpeningsInFile openings = openings_in_file();
     const auto compare = [&](const Both& read) {
       const Both& present = *both_;
       require_same(from.file, written, arguments_);
-      require_same(from.file, "drag", drag_written, drag());
+      require_same(from.file, "drag", drag, forces().drag());
       require_same(from.file, read.grains().particles().box(), present.grains().particles().box());
       require_same(from.file, "on_escape", read.particles().box().on_escape,
                    present.particles().box().on_escape);
     };
-    read_compared(from, *both_, compare, written, drag_written, openings);
+    read_compared(from, *both_, compare, written, drag, openings);
     if (openings_) openings_->set_numbers(openings.numbers);
   }
 
  private:
   void before_step() { let_pass(openings_.get(), both_->fluid()); }
-  const AnyDrag& drag() const {
-    return std::as_const(*both_).grains().interaction().template part<2>().drag();
+  const auto& forces() const {
+    return std::as_const(*both_).grains().interaction().template part<2>();
   }
   OpeningsInFile openings_in_file() const {
     return {openings_ ? openings_->numbers() : std::vector<double>{}};
   }
 
   std::shared_ptr<Both> both_;
-  ArgumentsInFile arguments_;  // of the grains
+  ArgumentsInFile arguments_;  // of the grains, and the forces on them
   std::shared_ptr<AnyOpenings<Dim>> openings_;
 };
 
@@ -201,7 +206,7 @@ Joined join(AnySimulation& grains, AnySimulation& fluid, const Joint& joint) {
          " is a law of spheres, in 3D; in 2D give None, or β of a linear law in kg/s, per metre of "
          "depth");
   }
-  Grains in_fluid = grains_in_fluid(grains, of_grains, joint.drag);
+  Grains in_fluid = grains_in_fluid(grains, of_grains, joint);
   Fluid around = fluid_around(fluid, of_fluid);
   if (joint.makes_room) {
     coupled::make_room(

@@ -51,6 +51,7 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
     {"; set it, or add grains by add_grain()", "; set it"},
     {"with FlowSettings: viscosity", "with viscosity"},
     {"or the grains NoDrag", "or drag=None to Coupled"},
+    {"FluidForces: ", "Coupled: "},
     {"set Box::on_escape to OnEscape::remove", "set on_escape to 'remove'"},
     {"move it to the other side of the wall beside it, or set ImageWalls::let_fluid_fall",
      "change the gravity, or close the tank by lid=True"},
@@ -242,8 +243,12 @@ PYBIND11_MODULE(_silt, module) {
   py::list names;
   for (const NamedDrag& law : drag_laws) names.append(std::string(law.name));
   module.attr("drag_laws") = py::tuple(names);
-  module.def("join", [](Core& grains, Core& fluid, const py::object& drag, bool makes_room) {
-    return join(grains, fluid, {.drag = drag_of(drag), .makes_room = makes_room});
+  module.def("join", [](Core& grains, Core& fluid, const py::object& drag, double added_mass,
+                        double lift, bool makes_room) {
+    return join(grains, fluid,
+                {.drag = drag_of(drag),
+                 .coefficients = {.added_mass = added_mass, .lift = lift},
+                 .makes_room = makes_room});
   });
 
   module.def("grains", [](const Doubles& x, const Doubles& u, const Doubles& R,

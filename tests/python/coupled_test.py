@@ -28,9 +28,9 @@ def pool(**further):
     return water(**({"tank": (0.2, 0.5)} | further))
 
 
-def sand(*, drag=20.0, make_room=False, **further):
+def sand(*, joint=None, **further):
     """In 2D."""
-    return silt.Coupled(discs(**further), pool(), drag=drag, make_room=make_room)
+    return silt.Coupled(discs(**further), pool(), **({"drag": 20.0} | (joint or {})))
 
 
 def balls(**further):
@@ -81,7 +81,7 @@ class Joining(unittest.TestCase):
 
     def test_makes_room_for_the_volume_of_the_grains(self):
         # The only test of make_room and let_fluid_settle() of Python.
-        both = sand(make_room=True)
+        both = sand(joint={"make_room": True})
         removed = 150 - len(both.fluid)
         self.assertAlmostEqual(removed, len(both.grains) * math.pi * (D / L0) ** 2 / 4, delta=0.51)
         positions = both.grains["position"][:]
@@ -121,6 +121,9 @@ class Joining(unittest.TestCase):
             r"drag = \[1\]": (discs(), pool(), {"drag": [1]}),
             "drag = -1": (discs(), pool(), {"drag": -1}),
             "drag = nan": (discs(), pool(), {"drag": math.nan}),
+            "Coupled: added_mass = -1": (discs(), pool(), {"added_mass": -1}),
+            "Coupled: lift = nan": (discs(), pool(), {"lift": math.nan}),
+            "lift = 'none' is not a number": (discs(), pool(), {"lift": "none"}),
             "make_room = 1": (discs(), pool(), {"make_room": 1}),
             "closest packing": (discs(position=silt.lattice((0, 0), (0.2, 0.2), 0.25 * D), max_overlap=9),
                                 pool(), {}),
@@ -164,7 +167,7 @@ class Forces(unittest.TestCase):
         both = silt.Coupled(balls(velocity=(speed, 0, 0), **further), tank(viscosity=viscosity), drag=drag)
         dt = 1e-6
         both.step(time_step=dt)
-        impulse = both.grains["drag_impulse"][0, 0]
+        impulse = both.grains["exchanged_impulse"][0, 0]
         return -impulse / dt / (3 * math.pi * 1000 * viscosity * D * speed), both.grains["fluid_share"][0]
 
     def test_of_drag_are_those_of_the_named_law(self):
@@ -187,6 +190,26 @@ class Forces(unittest.TestCase):
             self.assertAlmostEqual(self.drag_factor(drag)[0], factor, delta=0.01 * factor, msg=drag)
         self.assertEqual(self.drag_factor(None)[0], 0)
         self.assertLess(abs(stokes - 1), 0.01)
+
+    def test_of_added_mass_and_lift_are_those_asked_for(self):
+        # The only test of these two options of Python: with an added mass, a sphere begins to sink more slowly.
+        def speed(**further):
+            both = silt.Coupled(balls(), tank(velocity=(0, 0, 0)), drag=None, **further)
+            both.let_fluid_settle()
+            both.run(until=0.01, end_exactly=True)
+            return both.grains.snapshot()["velocity"][0, 2]
+
+        self.assertAlmostEqual(speed(added_mass=0.5) / speed(), 2500 / (2500 + 500), delta=0.02)
+        x = silt.lattice((0, 0, 0), (0.1, 0.1, 0.12), L0)
+        across = []
+        for lift in (0, 0.5):
+            shear = np.stack([5 * (x[:, 2] - 0.06), 0 * x[:, 0], 0 * x[:, 0]], axis=1)
+            both = silt.Coupled(balls(velocity=(0.2, 0, 0)), tank(velocity=shear), drag=None, lift=lift)
+            both.step(time_step=1e-4)
+            across.append(both.grains["exchanged_impulse"][0, 2])
+        self.assertEqual(across[0], 0)
+        # (u − v) × ω, with u − v along −x and ω along y.
+        self.assertLess(across[1], 0)
 
     def test_of_contacts_are_those_without_water(self):
         # The only test that each contact law has its bits in a Coupled: of grains beside the water.
@@ -283,8 +306,10 @@ class Runs(unittest.TestCase):
         # The only test of what a checkpoint of a Coupled is compared with.
         box = silt.Box(lower=(-1, -1), upper=(1, 1))
         cases = {
-            "drag = 20, but here it is 21": {"drag": 21.0},
-            "drag = 20, but here it is None": {"drag": None},
+            "drag = 20, but here it is 21": {"joint": {"drag": 21.0}},
+            "drag = 20, but here it is None": {"joint": {"drag": None}},
+            "added_mass = 0, but here it is 1": {"joint": {"added_mass": 1}},
+            "lift = 0, but here it is 0.5": {"joint": {"lift": 0.5}},
             "damping = 0, but here it is 0.5": {"damping": 0.5},
             "box: lower = (-inf, -inf), but here it is (-1, -1)": {"box": box},
         }
