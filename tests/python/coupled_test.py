@@ -10,38 +10,14 @@ import threading
 import unittest
 
 import numpy as np
-from simulations import bits, grains, spheres, water
+from simulations import D, L0, SOFT, balls, bits, discs, grains, pool, tank, water
 
 import silt
-
-L0, D = 0.02, 0.01  # spacing of the water, diameter of a grain [m]
-SOFT = silt.CundallStrack(normal_stiffness=1e3, tangential_stiffness=300, restitution=0.5, friction_angle=0.4)
-
-
-def discs(**further):
-    """In the water of pool(), above the floor."""
-    arguments = {"position": silt.lattice((0.02, 0.1), (0.18, 0.2), 1.6 * D), "radius": D / 2, "law": SOFT}
-    return grains(**(arguments | further))
-
-
-def pool(**further):
-    return water(**({"tank": (0.2, 0.5)} | further))
 
 
 def sand(*, joint=None, **further):
     """In 2D."""
     return silt.Coupled(discs(**further), pool(), **({"drag": 20.0} | (joint or {})))
-
-
-def balls(**further):
-    """A sphere in the water of tank()."""
-    arguments = {"position": [(0.05, 0.05, 0.06)], "radius": D / 2, "law": SOFT}
-    return spheres(**(arguments | further))
-
-
-def tank(**further):
-    arguments = {"position": silt.lattice((0, 0, 0), (0.1, 0.1, 0.12), L0), "tank": (0.1, 0.1, 0.3)}
-    return water(**(arguments | further))
 
 
 def bits_of_both(both):
