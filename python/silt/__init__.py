@@ -12,12 +12,13 @@
     heap.run(until=1.0)
     print(heap["position"][:, 1].max())
 
-See grain_simulation, flow_simulation, fill, MovingFaces, FloatingBody, Simulation and Column. All quantities are in
-SI units.
+See grain_simulation, flow_simulation, Coupled, fill, MovingFaces, FloatingBody, Simulation and Column. All quantities
+are in SI units.
 """
 
 from ._silt import version as __version__
 from .column import Column
+from .coupled import Coupled
 from .error import Error
 from .moving import (
     BodyState,
@@ -65,6 +66,7 @@ __all__ = [
     "BoxWall",
     "Circle",
     "Column",
+    "Coupled",
     "CundallStrack",
     "Cylinder",
     "Error",

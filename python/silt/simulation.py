@@ -5,11 +5,12 @@ from __future__ import annotations
 
 import dataclasses
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from . import _silt, arguments
+from .advancing import Advancing
 from .column import Column
 from .error import Error
 from .moving import BodyState, FloatingBody, MovingFaces
@@ -17,7 +18,7 @@ from .openings import OPENINGS, OpeningState
 from .setup import LAWS, WALLS, Box
 
 
-class Simulation:
+class Simulation(Advancing):
     """Particles, and what moves them; made by grain_simulation() or flow_simulation().
 
         simulation["velocity"]    the values of a field of all particles, see Column
@@ -31,7 +32,7 @@ class Simulation:
     that fails, with silt.Error, leaves the simulation as it was before.
     """
 
-    __slots__ = ("__weakref__", "_core")
+    __slots__ = ()
 
     def __init__(self):
         raise TypeError("silt.Simulation is made by silt.grain_simulation() or silt.flow_simulation()")
@@ -42,30 +43,7 @@ class Simulation:
         simulation._core = core
         return simulation
 
-    def __reduce_ex__(self, protocol):
-        raise TypeError("a silt.Simulation cannot be copied or pickled; write_checkpoint() writes its state")
-
     # --- state
-
-    @property
-    def dimension(self) -> int:
-        """2 or 3."""
-        return self._core.dimension
-
-    @property
-    def time(self) -> float:
-        """[s]"""
-        return self._core.time
-
-    @property
-    def steps(self) -> int:
-        """Number of completed steps."""
-        return self._core.steps
-
-    @property
-    def last_time_step(self) -> float:
-        """[s]; 0 before the first step."""
-        return self._core.last_time_step
 
     @property
     def particles_lost(self) -> int:
@@ -114,72 +92,7 @@ class Simulation:
         "id". Arrays of shape (n,), (n, 2) or (n, 3), see Column."""
         return self._core.snapshot()
 
-    # --- advancing
-
-    def time_step(self) -> float:
-        """The time step that the next step would have [s]."""
-        return self._core.time_step()
-
-    def step(self, count: int = 1, *, time_step: float | None = None) -> None:
-        """Makes `count` steps.
-
-        time_step    [s]; if not given, the simulation chooses it
-
-        Raises silt.Error if a step fails, which is then undone; those before it are not. Ctrl-C ends it
-        after a step, with KeyboardInterrupt.
-        """
-        if time_step is not None:
-            time_step = arguments.number("Simulation.step: time_step", time_step)
-        self._core.step(arguments.count("Simulation.step: count", count), time_step)
-
-    def run(
-        self,
-        until: float,
-        output_every: float = 0.0,
-        observer: Observer | Sequence[Observer] | None = None,
-        *,
-        time_step: float | None = None,
-        end_exactly: bool = False,
-    ) -> None:
-        """Makes steps until the time is at least `until`.
-
-        until           [s], not before the present time
-        output_every    interval of the calls of observers [s]; 0: only at the beginning and at the end
-        observer        what is called at the beginning, at the first step at or after every multiple of
-                        `output_every`, and at the end: observer(simulation). One, or several in a list.
-                        It may read and change the simulation, but not advance it
-        time_step       [s]; if not given, the simulation chooses it
-        end_exactly     whether the last steps are shortened to end at exactly `until`
-
-        Other threads of Python run meanwhile. What an observer raises ends the run, and is raised by it.
-        Ctrl-C ends it after the present step, with KeyboardInterrupt. In both cases, and after silt.Error,
-        the simulation is as after its last step; run() again continues.
-        """
-        until = arguments.number("Simulation.run: until", until)
-        output_every = arguments.number("Simulation.run: output_every", output_every)
-        if time_step is not None:
-            time_step = arguments.number("Simulation.run: time_step", time_step)
-        # A run ends up to one step after its `until`: it may be repeated.
-        if until < self.time - self.last_time_step:
-            raise Error(f"Simulation.run: until = {until:g} s is in the past, as the time is {self.time:g} s; "
-                        "give a later one")
-        if observer is None:
-            observers = []
-        elif isinstance(observer, Iterable) and not callable(observer):
-            observers = list(observer)
-        else:
-            observers = [observer]
-        for each in observers:
-            if not callable(each):
-                raise Error(f"Simulation.run: the observer {each!r} cannot be called; give a function of "
-                            "the simulation")
-
-        def observe():
-            for each in observers:
-                each(self)
-
-        ends_exactly = arguments.flag("Simulation.run: end_exactly", end_exactly)
-        self._core.run(until, output_every, time_step, ends_exactly, observe)
+    # --- particles
 
     def remove(self, ids) -> None:
         """Removes the particles with these ids, an array of shape (k,) or one id. Raises silt.Error, and
@@ -249,38 +162,15 @@ class Simulation:
         return self._core.wall_pressure(list(arguments.vector("Simulation.wall_pressure: point", point)),
                                         list(arguments.vector("Simulation.wall_pressure: normal", normal)))
 
-    # --- files
-
-    def write_checkpoint(self, path) -> None:
-        """Writes the complete state, from which read_checkpoint() continues with the same bits."""
-        self._core.write_checkpoint(arguments.path("Simulation.write_checkpoint: path", path))
-
-    def read_checkpoint(self, path, *, accepts_other_setup: bool = False) -> None:
-        """Replaces the state by that of a file.
-
-        accepts_other_setup    reads it although it was written with other arguments than those of this
-                               simulation, which then hold, but for the box and on_escape, those of the file
-
-        Positions, velocities, radii and densities are state, which the file has. All other arguments must be
-        those with which the file was written, except speed_scale of a flow, which only limits the time step.
-        Raises silt.Error, and changes nothing, if they are not, unless that is accepted; also if the file
-        cannot be read, or is of another dimension or kind of simulation.
-        """
-        self._core.read_checkpoint(
-            arguments.path("Simulation.read_checkpoint: path", path),
-            arguments.flag("Simulation.read_checkpoint: accepts_other_setup", accepts_other_setup))
-
-
-Observer = Callable[[Simulation], object]
-
 
 class VtkSeries:
-    """Observer that writes frames for ParaView: the folder `path`, and `path`.pvd, the file to open."""
+    """Observer that writes frames for ParaView: the folder `path`, and `path`.pvd, the file to open. Of a Coupled,
+    one series has both grains and fluid."""
 
     def __init__(self, path):
         self._frames = _silt.VtkSeries(arguments.path("VtkSeries: path", path))
 
-    def __call__(self, simulation: Simulation) -> None:
+    def __call__(self, simulation: Advancing) -> None:
         simulation._core.write_frame(self._frames)
 
     @property
@@ -292,13 +182,13 @@ class VtkSeries:
 class VtkWalls:
     """Observer of flows that writes frames of their walls for ParaView, where they are, with their group and velocity:
     the folder `path`, and `path`.pvd, the file to open. Group 0 is at rest; then follow the moving walls, and the
-    bodies."""
+    bodies. Of a Coupled, those of its fluid."""
 
     def __init__(self, path):
         self._frames = _silt.VtkWalls(arguments.path("VtkWalls: path", path))
 
-    def __call__(self, simulation: Simulation) -> None:
-        simulation._core.write_walls(self._frames)
+    def __call__(self, simulation: Advancing) -> None:
+        getattr(simulation, "fluid", simulation)._core.write_walls(self._frames)
 
     @property
     def frames(self) -> int:

@@ -5,6 +5,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/fluid/fluid.hpp>
+#include <silt/mps/fluid/mixture.hpp>
 
 #include "any_simulation.hpp"
 
@@ -43,6 +44,7 @@ class AnyOpenings {
   virtual std::function<double(const Vec<Dim>&, double)> surface_pressure() const = 0;
   /// Adds and removes particles. Throws as they do.
   virtual void before_step(mps::Fluid<Dim>& fluid, const FlowBeforeStep<Dim>& flow) = 0;
+  virtual void before_step(mps::FluidInMixture<Dim>& fluid, const FlowBeforeStep<Dim>& flow) = 0;
   virtual PassedOpening passed(Index opening) const = 0;
   /// Their state, for a checkpoint.
   virtual std::vector<double> numbers() const = 0;

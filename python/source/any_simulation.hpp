@@ -30,6 +30,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace silt::python {
@@ -86,15 +87,38 @@ class Hooks {
   virtual bool stop_requested() = 0;
 };
 
-class AnySimulation {
+/// What makes steps: a simulation, or two in one.
+class AnyAdvancing {
  public:
-  virtual ~AnySimulation() = default;
+  virtual ~AnyAdvancing() = default;
 
   virtual int dimension() const = 0;
-  virtual Index size() const = 0;
   virtual double time() const = 0;
   virtual std::uint64_t steps() const = 0;
   virtual double last_time_step() const = 0;
+
+  virtual double time_step() = 0;
+  virtual void step() = 0;
+  virtual void step(double dt) = 0;
+  /// False if the hooks ended it.
+  virtual bool run(const Run& run, Hooks& hooks) = 0;
+
+  virtual void write_frame(VtkSeries& frames) const = 0;
+  virtual void write_checkpoint(const std::filesystem::path& path) const = 0;
+  /// Throws if the file is of another set-up, unless that is accepted.
+  virtual void read_checkpoint(const CheckpointToRead& from) = 0;
+
+ protected:
+  AnyAdvancing() = default;
+  AnyAdvancing(const AnyAdvancing&) = default;
+  AnyAdvancing& operator=(const AnyAdvancing&) = default;
+};
+
+class AnySimulation : public AnyAdvancing {
+ public:
+  static constexpr std::string_view class_name = "Simulation";  ///< in Python
+
+  virtual Index size() const = 0;
   virtual std::uint64_t particles_lost() const = 0;
   virtual std::span<const Id> ids() const = 0;
 
@@ -105,19 +129,10 @@ class AnySimulation {
   /// All fields and the ids, at time(), in the order of the ids.
   virtual std::vector<ColumnCopy> snapshot() const = 0;
 
-  virtual double time_step() = 0;
-  virtual void step() = 0;
-  virtual void step(double dt) = 0;
-  /// False if the hooks ended it.
-  virtual bool run(const Run& run, Hooks& hooks) = 0;
   virtual void remove(const std::vector<Id>& ids) = 0;
 
   /// Energies by name [J], in 2D per metre of thickness.
   virtual std::vector<std::pair<std::string, double>> energies() const = 0;
-  virtual void write_frame(VtkSeries& frames) const = 0;
-  virtual void write_checkpoint(const std::filesystem::path& path) const = 0;
-  /// Throws if the file is of another set-up, unless that is accepted.
-  virtual void read_checkpoint(const CheckpointToRead& from) = 0;
 
   // Of grains; others throw.
   virtual void set_wall_present(Index wall, bool present) {
@@ -146,11 +161,6 @@ class AnySimulation {
                                const std::vector<double>& normal) const {
     return no_flow("wall_pressure", point, normal), 0;
   }
-
- protected:
-  AnySimulation() = default;
-  AnySimulation(const AnySimulation&) = default;
-  AnySimulation& operator=(const AnySimulation&) = default;
 
  private:
   template <class... Arguments>
@@ -185,27 +195,49 @@ Vec<Dim> to_vector(const std::string& name, const std::vector<double>& numbers) 
   return Eigen::Map<const Vec<Dim>>(numbers.data());
 }
 
-/// A simulation of grains, but for its law. Arrays have a row for each grain.
+using LinearLaw = dem::Law<dem::LinearSpringDashpot, dem::LinearFriction>;
+using HertzMindlin = dem::Law<dem::Hertz, dem::Mindlin>;
+/// A contact law of Python.
+using ContactLaw = std::variant<dem::CundallStrack, LinearLaw, HertzMindlin>;
+
+/// A simulation of grains. Arrays have a row for each grain.
 template <int Dim>
 struct GrainSetup {
   Rows positions;                 ///< [m]
   Rows velocities;                ///< [m/s]
   std::vector<double> radii;      ///< [m]
   std::vector<double> densities;  ///< [kg/m³]
+  ContactLaw law;
   std::vector<AnyWall<Dim>> walls;
   Vec<Dim> gravity = Vec<Dim>::Zero();  ///< [m/s²]
   double damping = 0;                   ///< global [1/s]
   Box<Dim> box;                         ///< [m]
   dem::ContactSettings settings;
+
+  GrainSetup without_grains() const {
+    GrainSetup rest = *this;
+    rest.positions = rest.velocities = {};
+    rest.radii = rest.densities = {};
+    return rest;
+  }
+};
+
+/// What a simulation was made from, but for its particles.
+template <class Setup>
+class MadeFrom {
+ public:
+  explicit MadeFrom(Setup setup) : setup_(std::move(setup)) {}
+  virtual ~MadeFrom() = default;
+  const Setup& setup() const { return setup_; }
+
+ private:
+  Setup setup_;
 };
 
 /// Walls of a simulation of grains: places for more take time.
 inline constexpr Index max_walls = 8;
 
-using LinearLaw = dem::Law<dem::LinearSpringDashpot, dem::LinearFriction>;
-using HertzMindlin = dem::Law<dem::Hertz, dem::Mindlin>;
-
-/// Throws if a number is out of range.
+/// With this law, that of the set-up. Throws if a number is out of range.
 template <int Dim, class Law>
 std::unique_ptr<AnySimulation> make_grain_simulation(const GrainSetup<Dim>& setup, const Law& law);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A simulation, as Python uses it. It guarantees that
+// A simulation, as Python uses it, or two in one. It guarantees that
 //
 // - no step is made, and no particle added, removed or reordered, while an array refers to the
 //   memory of the particles;
@@ -31,51 +31,72 @@ namespace silt::python {
 
 namespace py = pybind11;
 
+/// An array that refers to the memory of a field.
+struct Loan {
+  AnySimulation* simulation;
+  std::string field;
+  bool is_written;
+  std::uint64_t step;
+};
+
+/// Who uses a simulation; two in one and their parts have it in common.
+struct Usage {
+  std::list<Loan> loans;
+  std::optional<unsigned long> runner;  ///< thread of the step or run
+  bool is_in_observer = false;
+};
+
 // A simulation, and who uses it. All members are read and written with the interpreter's lock,
-// except the simulation itself during a step or run.
-class Core : public std::enable_shared_from_this<Core> {
+// except the simulation itself during a step or run. `Any` is an AnyAdvancing.
+template <class Any>
+class CoreOf : public std::enable_shared_from_this<CoreOf<Any>> {
  public:
-  explicit Core(std::unique_ptr<AnySimulation> simulation) : simulation_(std::move(simulation)) {}
+  explicit CoreOf(std::unique_ptr<Any> simulation,
+                  std::shared_ptr<Usage> usage = std::make_shared<Usage>())
+      : simulation_(std::move(simulation)), usage_(std::move(usage)) {}
 
   /// To read it, or to change it between steps.
-  AnySimulation& use(const std::string& function) {
-    if (runner_ && *runner_ == this_thread() && !is_in_observer_) {
-      fail("Simulation." + function +
+  Any& use(const std::string& function) {
+    const auto& runner = usage_->runner;
+    if (runner && *runner == this_thread() && !usage_->is_in_observer) {
+      fail(full_name(function) +
            ": a motion or a load must not use the simulation whose step calls it; it is a function "
            "of its arguments alone");
     }
-    if (runner_ && *runner_ != this_thread()) {
-      fail("Simulation." + function +
+    if (runner && *runner != this_thread()) {
+      fail(full_name(function) +
            ": a step or run is in progress in another thread; wait for its end");
     }
     // The measures may cache what is written to these.
-    for (const Loan& loan : loans_) note_written(loan);
+    for (const Loan& loan : usage_->loans) note_written(loan);
     return *simulation_;
   }
 
   /// To change particles so that their memory may be moved.
-  AnySimulation& change(const std::string& function) {
-    AnySimulation& simulation = use(function);
-    require_no_views("Simulation." + function);
+  Any& change(const std::string& function) {
+    Any& simulation = use(function);
+    require_no_views(full_name(function));
     return simulation;
+  }
+
+  /// call(simulation), in which the time may change, or the simulation becomes another one.
+  template <class Call>
+  auto advance(const std::string& function, Call&& call) {
+    const Running running(*this, function);
+    return call(*simulation_);
   }
 
   py::array view(const std::string& field, bool is_written) {
     AnySimulation& simulation = use("view");
     const ColumnMemory memory = simulation.column(field, is_written);
-    auto borrower =
-        std::make_unique<Borrower>(shared_from_this(), Loan{field, is_written, simulation.steps()});
+    auto borrower = std::make_unique<Borrower>(
+        this->shared_from_this(), Loan{&simulation, field, is_written, simulation.steps()});
     const py::capsule owner(borrower.get(),
                             [](void* pointer) { delete static_cast<Borrower*>(pointer); });
     static_cast<void>(borrower.release());
     py::array array = array_of(memory, owner);
     if (!is_written) array.attr("flags").attr("writeable") = false;
     return array;
-  }
-
-  void read_checkpoint(const CheckpointToRead& from) {
-    const Running running(*this, "read_checkpoint");
-    simulation_->read_checkpoint(from);
   }
 
   void step(std::uint64_t count, std::optional<double> time_step) {
@@ -101,49 +122,43 @@ class Core : public std::enable_shared_from_this<Core> {
   }
 
  private:
-  /// An array that refers to the memory of a field.
-  struct Loan {
-    std::string field;
-    bool is_written;
-    std::uint64_t step;
-  };
-
   /// Belongs to such an array, and ends with it and all that refer to it.
   class Borrower {
    public:
-    Borrower(std::shared_ptr<Core> core, Loan loan)
-        : core_(std::move(core)),
-          loan_(core_->loans_.insert(core_->loans_.end(), std::move(loan))) {}
+    Borrower(std::shared_ptr<CoreOf> core, Loan loan)
+        : core_(std::move(core)), loan_(loans().insert(loans().end(), std::move(loan))) {}
     Borrower(const Borrower&) = delete;
     Borrower& operator=(const Borrower&) = delete;
     ~Borrower() {
-      core_->note_written(*loan_);
-      core_->loans_.erase(loan_);
+      note_written(*loan_);
+      loans().erase(loan_);
     }
 
    private:
-    std::shared_ptr<Core> core_;
+    std::list<Loan>& loans() const { return core_->usage_->loans; }
+
+    std::shared_ptr<CoreOf> core_;
     std::list<Loan>::iterator loan_;
   };
 
   /// A step, run or other change of the time, as long as it lasts.
   class Running {
    public:
-    Running(Core& core, const std::string& function) : core_(core) {
-      if (core.runner_ && *core.runner_ == this_thread()) {
-        fail("Simulation." + function +
+    Running(CoreOf& core, const std::string& function) : runner_(core.usage_->runner) {
+      if (runner_ && *runner_ == this_thread()) {
+        fail(full_name(function) +
              ": an observer must not advance or replace the simulation that calls it; do this "
              "after the run");
       }
       core.change(function);
-      core.runner_ = this_thread();
+      runner_ = this_thread();
     }
     Running(const Running&) = delete;
     Running& operator=(const Running&) = delete;
-    ~Running() { core_.runner_.reset(); }
+    ~Running() { runner_.reset(); }
 
    private:
-    Core& core_;
+    std::optional<unsigned long>& runner_;
   };
 
   // Ends a run after Ctrl-C; the signal handlers of Python run only when they are asked for.
@@ -172,43 +187,47 @@ class Core : public std::enable_shared_from_this<Core> {
 
   class Observers : public Interrupts {
    public:
-    Observers(Core& core, const py::object& observer) : core_(core), observer_(observer) {}
+    Observers(CoreOf& core, const py::object& observer) : core_(core), observer_(observer) {}
     void make_output() override {
       with_lock([&] {
-        core_.is_in_observer_ = true;
+        core_.usage_->is_in_observer = true;
         PyObject* const result = PyObject_CallNoArgs(observer_.ptr());
-        core_.is_in_observer_ = false;
+        core_.usage_->is_in_observer = false;
         if (result == nullptr) throw py::error_already_set();
         Py_DECREF(result);
-        core_.require_no_views("Simulation.run: after an observer was called");
+        core_.require_no_views(full_name("run") + ": after an observer was called");
       });
     }
 
    private:
-    Core& core_;
+    CoreOf& core_;
     const py::object& observer_;
   };
 
   static unsigned long this_thread() { return PyThread_get_thread_ident(); }
+  static std::string full_name(const std::string& function) {
+    return std::string(Any::class_name) + "." + function;
+  }
 
   void require_no_views(const std::string& where) const {
-    if (loans_.empty()) return;
-    const Loan& first = loans_.front();
+    const auto& loans = usage_->loans;
+    if (loans.empty()) return;
+    const Loan& first = loans.front();
     fail(where + ": an array still refers to the memory of the field \"" + first.field +
          "\", which a step may change or move; it was taken by view() at step " +
          std::to_string(first.step) +
-         (loans_.size() > 1 ? ", and so do " + std::to_string(loans_.size() - 1) + " more" : "") +
+         (loans.size() > 1 ? ", and so do " + std::to_string(loans.size() - 1) + " more" : "") +
          ". Delete the array and all slices of it, or use a copy, simulation[\"" + first.field +
          "\"][:]");
   }
-  void note_written(const Loan& loan) {
-    if (loan.is_written) static_cast<void>(simulation_->column(loan.field, true));
+  static void note_written(const Loan& loan) {
+    if (loan.is_written) static_cast<void>(loan.simulation->column(loan.field, true));
   }
 
-  std::unique_ptr<AnySimulation> simulation_;
-  std::list<Loan> loans_;
-  std::optional<unsigned long> runner_;  // thread of the step or run
-  bool is_in_observer_ = false;
+  std::unique_ptr<Any> simulation_;
+  std::shared_ptr<Usage> usage_;
 };
+
+using Core = CoreOf<AnySimulation>;
 
 }  // namespace silt::python

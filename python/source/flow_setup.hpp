@@ -32,6 +32,12 @@ struct FlowSetup {
   double viscosity = 0;                                ///< kinematic [m²/s]
   double speed_scale = 0;                              ///< [m/s]
   Vec<Dim> gravity = -9.81 * Vec<Dim>::Unit(Dim - 1);  ///< [m/s²]
+
+  FlowSetup without_fluid() const {
+    FlowSetup rest = *this;
+    rest.positions = rest.velocities = {};
+    return rest;
+  }
 };
 
 /// Water at rest in the tank of a flow, see mps::Pool.

@@ -65,67 +65,60 @@ mps::TankOf<mps::Recommended, Dim> tank_of(const FlowSetup<Dim>& setup) {
   return made;
 }
 
-template <int Dim>
-auto simulation_of(const FlowSetup<Dim>& setup) {
-  const auto tank = tank_of(setup);
-  mps::FlowSettings<Dim, mps::Recommended> settings{.spacing = setup.spacing,
-                                                    .density = setup.density,
-                                                    .viscosity = setup.viscosity,
-                                                    .gravity = setup.gravity,
-                                                    .speed_scale = setup.speed_scale,
-                                                    .walls = tank.walls};
+/// Of this fluid, between these walls.
+template <class Scheme, class Fluid, int Dim>
+auto simulation_of(Fluid fluid, const mps::WallsOf<Scheme>& walls, const FlowSetup<Dim>& setup) {
+  mps::FlowSettings<Dim, Scheme> settings{.spacing = setup.spacing,
+                                          .density = setup.density,
+                                          .viscosity = setup.viscosity,
+                                          .gravity = setup.gravity,
+                                          .speed_scale = setup.speed_scale,
+                                          .walls = walls};
   if (setup.openings) settings.surface_pressure = setup.openings->surface_pressure();
-  return Simulation{tank.particles, UniformGrid<Dim>{}, mps::Flow<mps::Recommended, Dim>{settings},
+  return Simulation{std::move(fluid), UniformGrid<Dim>{}, mps::Flow<Scheme, Dim>{settings},
                     SemiImplicit<>{}};
 }
 
-template <int Dim>
-using FlowSimulationType = decltype(simulation_of(std::declval<const FlowSetup<Dim>&>()));
+/// What openings do before a step of a flow; null: there are none.
+template <int Dim, class Sim>
+void let_pass(AnyOpenings<Dim>* openings, Sim& simulation) {
+  if (openings == nullptr) return;
+  const auto& settings = simulation.interaction().settings();
+  openings->before_step(simulation.particles(), {.time = simulation.time(),
+                                                 .spacing = settings.spacing,
+                                                 .density = settings.density,
+                                                 .gravity = settings.gravity});
+}
 
-template <int Dim>
-class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
-  using Base = TypedSimulation<FlowSimulationType<Dim>>;
-  using Base::simulation_;
+/// Measures, walls and openings of simulation_of(…).
+template <int Dim, class Sim>
+class FlowOf : public TypedSimulation<Sim> {
+  using Base = TypedSimulation<Sim>;
+
+ protected:
+  using Base::simulation;
 
  public:
-  explicit FlowSimulation(const FlowSetup<Dim>& setup)
-      : Base(simulation_of(setup)),
+  FlowOf(std::shared_ptr<Sim> shared, const FlowSetup<Dim>& setup)
+      : Base(std::move(shared)),
         spacing_(setup.spacing),
         has_lid_(setup.lid),
         moving_count_(setup.moving_count),
         openings_(setup.openings),
-        room_(room_of(setup, simulation_.particles().box())),
+        room_(room_of(setup, std::as_const(*this).simulation().particles().box())),
         account_({.mass = setup.density * std::pow(setup.spacing, Dim), .gravity = setup.gravity}) {
   }
 
   std::vector<std::pair<std::string, double>> energies() const override {
-    const auto energy = account_.of(simulation_.particles());
+    const auto energy = account_.of(simulation().particles());
     return {{"kinetic", energy.kinetic}, {"potential", energy.potential}};
-  }
-
-  // As of a C++ program, with which files can be exchanged.
-  void write_checkpoint(const std::filesystem::path& path) const override {
-    if (openings_) {
-      silt::write_checkpoint(path, simulation_, OpeningsInFile{openings_->numbers()});
-    } else {
-      silt::write_checkpoint(path, simulation_);
-    }
-  }
-  void read_checkpoint(const CheckpointToRead& from) override {
-    const auto compare = [&](const Box<Dim>& box) {
-      require_same(from.file, "on_escape", box.on_escape, simulation_.particles().box().on_escape);
-    };
-    if (!openings_) return this->read(from, compare);
-    OpeningsInFile state{openings_->numbers()};
-    this->read(from, compare, state);
-    openings_->set_numbers(state.numbers);
   }
 
   // The search is that of the beginning of the last step, and particles may have been removed
   // since.
   Front front() const override {
-    auto water = simulation_.particles();
-    auto search = simulation_.search();
+    auto water = simulation().particles();
+    auto search = simulation().search();
     search.update(water);
     return find_front(water, search, {.spacing = spacing_}, [](Index) { return true; });
   }
@@ -134,7 +127,7 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
     const Vec<Dim> x = to_vector<Dim>("Simulation.wall_pressure: point", point);
     check_on_wall(x);
     return WallGauge<Dim>{x, to_vector<Dim>("Simulation.wall_pressure: normal", normal), spacing_}
-        .read(simulation_.particles(), mps::pressure);
+        .read(simulation().particles(), mps::pressure);
   }
 
   Load wall_load(Index wall) const override {
@@ -158,27 +151,19 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
     const Pose<Dim>& before = faces.step_of(group).before;
     return load_on(WallGroup::body(body), before.x_of(centre_of_body<Dim>(walls().bodies(), body)));
   }
-  void write_walls(VtkWalls& frames) const override { frames(simulation_); }
+  void write_walls(VtkWalls& frames) const override { frames(simulation()); }
   Index opening_count() const override { return openings_ ? openings_->size() : 0; }
   PassedOpening passed_opening(Index opening) const override { return openings_->passed(opening); }
 
  private:
-  void before_step() override {
-    if (!openings_) return;
-    const auto& settings = simulation_.interaction().settings();
-    openings_->before_step(simulation_.particles(), {.time = simulation_.time(),
-                                                     .spacing = settings.spacing,
-                                                     .density = settings.density,
-                                                     .gravity = settings.gravity});
-  }
-  const auto& walls() const { return simulation_.interaction().walls(); }
+  const auto& walls() const { return simulation().interaction().walls(); }
   void check_body(Index body) const {
     if (body < body_count()) return;
     fail("Simulation: there is no body " + std::to_string(body) + "; there are " +
          std::to_string(body_count()) + ", numbered from 0 in the order in which they were given");
   }
   Load load_on(WallGroup group, const Vec<Dim>& about) const {
-    return load_of<Dim>(WallLoad<Dim>(group).read(simulation_, about));
+    return load_of<Dim>(WallLoad<Dim>(group).read(simulation(), about));
   }
   void check_on_wall(const Vec<Dim>& x) const {
     const double near = 1e-6 * spacing_;
@@ -199,6 +184,51 @@ class FlowSimulation final : public TypedSimulation<FlowSimulationType<Dim>> {
   std::shared_ptr<AnyOpenings<Dim>> openings_;
   Box<Dim> room_;  // that the fluid may fill
   mps::EnergyAccount<Dim, double> account_;
+};
+
+template <int Dim>
+using FlowSimulationType = decltype(simulation_of<mps::Recommended>(
+    std::declval<mps::Fluid<Dim>>(), std::declval<const mps::ImageWalls&>(),
+    std::declval<const FlowSetup<Dim>&>()));
+
+template <int Dim>
+class FlowSimulation final : public Alone<FlowOf<Dim, FlowSimulationType<Dim>>>,
+                             public MadeFrom<FlowSetup<Dim>> {
+  using Sim = FlowSimulationType<Dim>;
+  using Base = Alone<FlowOf<Dim, Sim>>;
+  using Base::simulation;
+
+ public:
+  explicit FlowSimulation(const FlowSetup<Dim>& setup)
+      : Base(made(setup), setup), MadeFrom<FlowSetup<Dim>>(setup.without_fluid()) {}
+
+  // As of a C++ program, with which files can be exchanged.
+  void write_checkpoint(const std::filesystem::path& path) const override {
+    if (openings()) {
+      silt::write_checkpoint(path, simulation(), OpeningsInFile{openings()->numbers()});
+    } else {
+      silt::write_checkpoint(path, simulation());
+    }
+  }
+  void read_checkpoint(const CheckpointToRead& from) override {
+    const auto compare = [&](const Sim& read) {
+      require_same(from.file, "on_escape", read.particles().box().on_escape,
+                   simulation().particles().box().on_escape);
+    };
+    if (!openings()) return read_compared(from, simulation(), compare);
+    OpeningsInFile state{openings()->numbers()};
+    read_compared(from, simulation(), compare, state);
+    openings()->set_numbers(state.numbers);
+  }
+
+ private:
+  static std::shared_ptr<Sim> made(const FlowSetup<Dim>& setup) {
+    const auto tank = tank_of(setup);
+    return std::make_shared<Sim>(
+        simulation_of<mps::Recommended>(tank.particles, tank.walls, setup));
+  }
+  AnyOpenings<Dim>* openings() const { return this->setup().openings.get(); }
+  void before_step() override { let_pass(openings(), simulation()); }
 };
 
 template <int Dim>

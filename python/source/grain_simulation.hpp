@@ -41,8 +41,10 @@ dem::Grains<Dim> grains_of(const GrainSetup<Dim>& setup) {
   return grains;
 }
 
-template <int Dim, class Law>
-auto simulation_of(const GrainSetup<Dim>& setup, const Law& law) {
+/// Of these grains. `further` forces come last.
+template <class Grains, int Dim, class Law, class... Further>
+auto simulation_of(Grains grains, const GrainSetup<Dim>& setup, const Law& law,
+                   const Further&... further) {
   if (setup.walls.size() > max_walls) {
     fail("grain_simulation: walls: there are " + std::to_string(setup.walls.size()) +
          ", more than " + std::to_string(max_walls) +
@@ -51,34 +53,37 @@ auto simulation_of(const GrainSetup<Dim>& setup, const Law& law) {
   std::vector<AnyWall<Dim>> walls = setup.walls;
   walls.resize(max_walls);
   const auto with_walls = [&]<std::size_t... w>(std::index_sequence<w...>) {
-    return Simulation{
-        grains_of(setup), NeighbourList<Dim>{},
-        Forces{Gravity<Dim>{setup.gravity}, dem::Contacts{law, walls[w]...}.with(setup.settings)},
-        Leapfrog{GlobalDamping{.alpha = setup.damping}}};
+    return Simulation{std::move(grains), NeighbourList<Dim>{},
+                      Forces{Gravity<Dim>{setup.gravity},
+                             dem::Contacts{law, walls[w]...}.with(setup.settings), further...},
+                      Leapfrog{GlobalDamping{.alpha = setup.damping}}};
   };
   return with_walls(std::make_index_sequence<max_walls>());
 }
 
-template <int Dim, class Law>
-using GrainSimulationType =
-    decltype(simulation_of(std::declval<const GrainSetup<Dim>&>(), std::declval<const Law&>()));
+/// Arguments that the library does not compare in a checkpoint.
+template <int Dim>
+ArgumentsInFile arguments_in_file(const GrainSetup<Dim>& setup) {
+  return {{{"gravity", {setup.gravity.begin(), setup.gravity.end()}},
+           {"damping", {setup.damping}},
+           {"steps_per_contact", {setup.settings.steps_per_contact}},
+           {"max_overlap", {setup.settings.max_overlap}}}};
+}
 
-template <int Dim, class Law>
-class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, Law>> {
-  using Base = TypedSimulation<GrainSimulationType<Dim, Law>>;
-  using Base::simulation_;
+/// Energies and walls of simulation_of(…).
+template <int Dim, class Sim>
+class GrainsOf : public TypedSimulation<Sim> {
+  using Base = TypedSimulation<Sim>;
+
+ protected:
+  using Base::simulation;
 
  public:
-  GrainSimulation(const GrainSetup<Dim>& setup, const Law& law)
-      : Base(simulation_of(setup, law)),
-        wall_count_(setup.walls.size()),
-        arguments_{{{"gravity", {setup.gravity.begin(), setup.gravity.end()}},
-                    {"damping", {setup.damping}},
-                    {"steps_per_contact", {setup.settings.steps_per_contact}},
-                    {"max_overlap", {setup.settings.max_overlap}}}} {}
+  GrainsOf(std::shared_ptr<Sim> shared, const GrainSetup<Dim>& setup)
+      : Base(std::move(shared)), wall_count_(setup.walls.size()) {}
 
   std::vector<std::pair<std::string, double>> energies() const override {
-    const auto state = simulation_.state();
+    const auto state = simulation().state();
     const auto& grains = state.particles;
     const auto& forces = state.interaction;
     return {{"kinetic", kinetic_energy(grains)},
@@ -87,21 +92,9 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
             {"elastic", forces.template part<1>().elastic_energy(grains)}};
   }
 
-  void write_checkpoint(const std::filesystem::path& path) const override {
-    silt::write_checkpoint(path, simulation_, arguments_);
-  }
-  void read_checkpoint(const CheckpointToRead& from) override {
-    ArgumentsInFile written = arguments_;
-    const auto compare = [&](const Box<Dim>& box) {
-      require_same(from.file, written, arguments_);
-      require_same(from.file, box, simulation_.particles().box());
-    };
-    this->read(from, compare, written);
-  }
-
   void set_wall_present(Index wall, bool present) override {
     check_wall(wall);
-    simulation_.interaction().template part<1>().set_wall_present(wall, present);
+    simulation().interaction().template part<1>().set_wall_present(wall, present);
   }
   bool is_wall_present(Index wall) const override {
     check_wall(wall);
@@ -109,11 +102,11 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
   }
   Load wall_load(Index wall) const override {
     check_wall(wall);
-    return load_of<Dim>(contacts().load_on(simulation_.particles(), wall));
+    return load_of<Dim>(contacts().load_on(simulation().particles(), wall));
   }
 
  private:
-  const auto& contacts() const { return simulation_.interaction().template part<1>(); }
+  const auto& contacts() const { return simulation().interaction().template part<1>(); }
   void check_wall(Index wall) const {
     if (wall < wall_count_) return;
     fail("Simulation: there is no wall " + std::to_string(wall) + "; there are " +
@@ -121,7 +114,37 @@ class GrainSimulation final : public TypedSimulation<GrainSimulationType<Dim, La
   }
 
   Index wall_count_;
-  ArgumentsInFile arguments_;
+};
+
+template <int Dim, class Law>
+using GrainSimulationType =
+    decltype(simulation_of(std::declval<dem::Grains<Dim>>(), std::declval<const GrainSetup<Dim>&>(),
+                           std::declval<const Law&>()));
+
+template <int Dim, class Law>
+class GrainSimulation final : public Alone<GrainsOf<Dim, GrainSimulationType<Dim, Law>>>,
+                              public MadeFrom<GrainSetup<Dim>> {
+  using Sim = GrainSimulationType<Dim, Law>;
+  using Base = Alone<GrainsOf<Dim, Sim>>;
+  using Base::simulation;
+
+ public:
+  GrainSimulation(const GrainSetup<Dim>& setup, const Law& law)
+      : Base(std::make_shared<Sim>(simulation_of(grains_of(setup), setup, law)), setup),
+        MadeFrom<GrainSetup<Dim>>(setup.without_grains()) {}
+
+  void write_checkpoint(const std::filesystem::path& path) const override {
+    silt::write_checkpoint(path, simulation(), arguments_in_file(this->setup()));
+  }
+  void read_checkpoint(const CheckpointToRead& from) override {
+    const ArgumentsInFile present = arguments_in_file(this->setup());
+    ArgumentsInFile written = present;
+    const auto compare = [&](const Sim& read) {
+      require_same(from.file, written, present);
+      require_same(from.file, read.particles().box(), simulation().particles().box());
+    };
+    read_compared(from, simulation(), compare, written);
+  }
 };
 
 template <int Dim, class Law>

@@ -5,6 +5,7 @@
 #include <silt/core/types.hpp>
 #include <silt/version.hpp>
 
+#include "any_coupled.hpp"
 #include "any_simulation.hpp"
 #include "any_wall.hpp"
 #include "arrays.hpp"
@@ -16,9 +17,11 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -46,6 +49,9 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
      "lower the time step, or raise ContactSettings::max_energy_gain",
      "lower the time step"},
     {"; set it, or add grains by add_grain()", "; set it"},
+    {"with FlowSettings: viscosity", "with viscosity"},
+    {"or the grains NoDrag", "or drag=None to Coupled"},
+    {"FluidForces: ", "Coupled: "},
     {"set Box::on_escape to OnEscape::remove", "set on_escape to 'remove'"},
     {"move it to the other side of the wall beside it, or set ImageWalls::let_fluid_fall",
      "change the gravity, or close the tank by lid=True"},
@@ -73,6 +79,70 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+// What simulations, and two in one, have in common.
+template <class Any>
+auto bind_core(py::module_& module, const char* name) {
+  using C = CoreOf<Any>;
+  return py::class_<C, std::shared_ptr<C>>(module, name)
+      .def_property_readonly("dimension", [](C& core) { return core.use("dimension").dimension(); })
+      .def_property_readonly("time", [](C& core) { return core.use("time").time(); })
+      .def_property_readonly("steps", [](C& core) { return core.use("steps").steps(); })
+      .def_property_readonly("last_time_step",
+                             [](C& core) { return core.use("last_time_step").last_time_step(); })
+      .def("time_step", [](C& core) { return core.use("time_step").time_step(); })
+      .def("step", &C::step)
+      .def("run",
+           [](C& core, double until, double output_every, std::optional<double> time_step,
+              bool end_exactly, const py::object& observer) {
+             core.run({.until = until,
+                       .output_every = output_every,
+                       .time_step = time_step,
+                       .end_exactly = end_exactly},
+                      observer);
+           })
+      .def("write_frame",
+           [](C& core, VtkSeries& frames) { core.use("write_frame").write_frame(frames); })
+      .def("write_checkpoint",
+           [](C& core, const std::filesystem::path& path) {
+             core.use("write_checkpoint").write_checkpoint(path);
+           })
+      .def("read_checkpoint", [](C& core, const std::filesystem::path& path,
+                                 bool accepts_other_setup) {
+        core.advance("read_checkpoint", [&](Any& simulation) {
+          simulation.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
+        });
+      });
+}
+
+using CoupledCore = CoreOf<AnyCoupled>;
+
+/// None, the name of a law, or β of a linear one.
+AnyDrag drag_of(const py::object& drag) {
+  if (drag.is_none()) return {};
+  if (py::isinstance<py::float_>(drag)) {
+    const double linear = drag.cast<double>();
+    require_positive("Coupled: drag", linear);
+    return {.linear = linear};
+  }
+  const std::string name = drag.cast<std::string>();
+  const auto found = std::ranges::find(drag_laws, name, &NamedDrag::name);
+  return {.is_named = true, .place = std::uint64_t(found - std::begin(drag_laws))};
+}
+
+/// Two simulations in one, and what each of them is then.
+py::tuple join(Core& grains, Core& fluid, const Joint& joint) {
+  Joined joined = grains.advance("run", [&](AnySimulation& of_grains) {
+    return fluid.advance("run", [&](AnySimulation& of_fluid) {
+      return of_grains.dimension() == 2 ? join<2>(of_grains, of_fluid, joint)
+                                        : join<3>(of_grains, of_fluid, joint);
+    });
+  });
+  const auto usage = std::make_shared<Usage>();
+  return py::make_tuple(std::make_shared<CoupledCore>(std::move(joined.both), usage),
+                        std::make_shared<Core>(std::move(joined.grains), usage),
+                        std::make_shared<Core>(std::move(joined.fluid), usage));
+}
+
 }  // namespace
 }  // namespace silt::python
 
@@ -94,14 +164,8 @@ PYBIND11_MODULE(_silt, module) {
       .def(py::init<std::filesystem::path>())
       .def_property_readonly("frames", [](const VtkWalls& frames) { return frames.frames(); });
 
-  py::class_<Core, std::shared_ptr<Core>>(module, "Core")
-      .def_property_readonly("dimension",
-                             [](Core& core) { return core.use("dimension").dimension(); })
+  bind_core<AnySimulation>(module, "Core")
       .def_property_readonly("size", [](Core& core) { return core.use("size").size(); })
-      .def_property_readonly("time", [](Core& core) { return core.use("time").time(); })
-      .def_property_readonly("steps", [](Core& core) { return core.use("steps").steps(); })
-      .def_property_readonly("last_time_step",
-                             [](Core& core) { return core.use("last_time_step").last_time_step(); })
       .def_property_readonly("particles_lost",
                              [](Core& core) { return core.use("particles_lost").particles_lost(); })
       .def_property_readonly("ids",
@@ -119,17 +183,6 @@ PYBIND11_MODULE(_silt, module) {
                              })
       .def("view", &Core::view)
       .def("snapshot", [](Core& core) { return dict_of(core.use("snapshot").snapshot()); })
-      .def("time_step", [](Core& core) { return core.use("time_step").time_step(); })
-      .def("step", &Core::step)
-      .def("run",
-           [](Core& core, double until, double output_every, std::optional<double> time_step,
-              bool end_exactly, const py::object& observer) {
-             core.run({.until = until,
-                       .output_every = output_every,
-                       .time_step = time_step,
-                       .end_exactly = end_exactly},
-                      observer);
-           })
       .def("remove",
            [](Core& core, const std::vector<Id>& ids) { core.change("remove").remove(ids); })
       .def("energies",
@@ -139,16 +192,6 @@ PYBIND11_MODULE(_silt, module) {
                all[py::str(name)] = value;
              }
              return all;
-           })
-      .def("write_frame",
-           [](Core& core, VtkSeries& frames) { core.use("write_frame").write_frame(frames); })
-      .def("write_checkpoint",
-           [](Core& core, const std::filesystem::path& path) {
-             core.use("write_checkpoint").write_checkpoint(path);
-           })
-      .def("read_checkpoint",
-           [](Core& core, const std::filesystem::path& path, bool accepts_other_setup) {
-             core.read_checkpoint({.file = path, .accepts_other_setup = accepts_other_setup});
            })
       .def("set_wall_present",
            [](Core& core, Index wall, bool present) {
@@ -189,6 +232,24 @@ PYBIND11_MODULE(_silt, module) {
            [](Core& core, const std::vector<double>& point, const std::vector<double>& normal) {
              return core.use("wall_pressure").wall_pressure(point, normal);
            });
+
+  bind_core<AnyCoupled>(module, "CoupledCore")
+      .def("let_fluid_settle", [](CoupledCore& core, double tolerance, int max_steps) {
+        return core.advance("let_fluid_settle", [&](AnyCoupled& both) {
+          const Unlocked unlocked;
+          return both.let_fluid_settle(tolerance, max_steps);
+        });
+      });
+  py::list names;
+  for (const NamedDrag& law : drag_laws) names.append(std::string(law.name));
+  module.attr("drag_laws") = py::tuple(names);
+  module.def("join", [](Core& grains, Core& fluid, const py::object& drag, double added_mass,
+                        double lift, bool makes_room) {
+    return join(grains, fluid,
+                {.drag = drag_of(drag),
+                 .coefficients = {.added_mass = added_mass, .lift = lift},
+                 .makes_room = makes_room});
+  });
 
   module.def("grains", [](const Doubles& x, const Doubles& u, const Doubles& R,
                           const Doubles& density, const py::object& law, const py::list& walls,

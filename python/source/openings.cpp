@@ -25,8 +25,10 @@ namespace silt::python {
 namespace {
 
 // A flow, as openings see a simulation.
-template <int Dim>
+template <class Fluid>
 class FlowAtOpenings {
+  static constexpr int Dim = Fluid::dimension;
+
  public:
   struct Settings {
     double spacing, density;
@@ -34,18 +36,18 @@ class FlowAtOpenings {
     bool surface_pressure;  // is given
   };
 
-  FlowAtOpenings(mps::Fluid<Dim>& fluid, const FlowBeforeStep<Dim>& flow)
+  FlowAtOpenings(Fluid& fluid, const FlowBeforeStep<Dim>& flow)
       : fluid_(fluid),
         time_(flow.time),
         settings_{flow.spacing, flow.density, flow.gravity, true} {}
 
-  mps::Fluid<Dim>& particles() { return fluid_; }
+  Fluid& particles() { return fluid_; }
   double time() const { return time_; }
   const FlowAtOpenings& interaction() const { return *this; }
   const Settings& settings() const { return settings_; }
 
  private:
-  mps::Fluid<Dim>& fluid_;
+  Fluid& fluid_;
   double time_;
   Settings settings_;
 };
@@ -101,10 +103,10 @@ class Openings final : public AnyOpenings<Dim> {
     };
   }
   void before_step(mps::Fluid<Dim>& fluid, const FlowBeforeStep<Dim>& flow) override {
-    FlowAtOpenings<Dim> simulation(fluid, flow);
-    for (Any& each : openings_) {
-      std::visit([&](auto& opening) { opening.before_step(simulation); }, each);
-    }
+    let_pass(fluid, flow);
+  }
+  void before_step(mps::FluidInMixture<Dim>& fluid, const FlowBeforeStep<Dim>& flow) override {
+    let_pass(fluid, flow);
   }
   PassedOpening passed(Index opening) const override {
     return std::visit(
@@ -135,6 +137,13 @@ class Openings final : public AnyOpenings<Dim> {
   }
 
  private:
+  template <class Fluid>
+  void let_pass(Fluid& fluid, const FlowBeforeStep<Dim>& flow) {
+    FlowAtOpenings<Fluid> simulation(fluid, flow);
+    for (Any& each : openings_) {
+      std::visit([&](auto& opening) { opening.before_step(simulation); }, each);
+    }
+  }
   template <class F>
   void for_each(F&& f) const {
     for (const Any& each : openings_) std::visit(f, each);

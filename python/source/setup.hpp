@@ -22,6 +22,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace silt::python {
@@ -95,32 +96,27 @@ AnyWall<Dim> wall_of(const py::handle& object, Index place) {
        (Dim == 2 ? "a Circle, Segment or Polyline" : "a Cylinder or MeshWall"));
 }
 
-template <int Dim>
-std::unique_ptr<AnySimulation> grains(const py::handle& law, const GrainSetup<Dim>& setup) {
+inline ContactLaw law_of(const py::handle& law) {
   const std::string type = type_of(law);
   if (type == "CundallStrack") {
-    return make_grain_simulation(
-        setup, dem::CundallStrack{.normal_stiffness = number(law, "normal_stiffness"),
-                                  .tangential_stiffness = number(law, "tangential_stiffness"),
-                                  .restitution = number(law, "restitution"),
-                                  .friction_angle = number(law, "friction_angle")});
+    return dem::CundallStrack{.normal_stiffness = number(law, "normal_stiffness"),
+                              .tangential_stiffness = number(law, "tangential_stiffness"),
+                              .restitution = number(law, "restitution"),
+                              .friction_angle = number(law, "friction_angle")};
   }
   if (type == "LinearSpringDashpot") {
-    return make_grain_simulation(
-        setup,
-        LinearLaw(dem::LinearSpringDashpot{.normal_stiffness = number(law, "normal_stiffness"),
-                                           .restitution = number(law, "restitution")},
-                  dem::LinearFriction{.tangential_stiffness = number(law, "tangential_stiffness"),
-                                      .friction_angle = number(law, "friction_angle")}));
+    return LinearLaw(
+        dem::LinearSpringDashpot{.normal_stiffness = number(law, "normal_stiffness"),
+                                 .restitution = number(law, "restitution")},
+        dem::LinearFriction{.tangential_stiffness = number(law, "tangential_stiffness"),
+                            .friction_angle = number(law, "friction_angle")});
   }
   if (type == "HertzMindlin") {
     const dem::Elastic elastic{.young_modulus = number(law, "young_modulus"),
                                .poisson_ratio = number(law, "poisson_ratio")};
-    return make_grain_simulation(
-        setup,
-        HertzMindlin(
-            dem::Hertz{.elastic = elastic, .restitution = number(law, "restitution")},
-            dem::Mindlin{.elastic = elastic, .friction_angle = number(law, "friction_angle")}));
+    return HertzMindlin(
+        dem::Hertz{.elastic = elastic, .restitution = number(law, "restitution")},
+        dem::Mindlin{.elastic = elastic, .friction_angle = number(law, "friction_angle")});
   }
   fail("grain_simulation: law is a " + type +
        "; give a CundallStrack, a LinearSpringDashpot or a HertzMindlin");
@@ -145,6 +141,7 @@ std::unique_ptr<AnySimulation> grains(const GrainArguments& given) {
       .velocities = rows_of(given.velocity),
       .radii = numbers_of(given.radius),
       .densities = numbers_of(given.density),
+      .law = law_of(given.law),
       .walls = {},
       .gravity = to_vector<Dim>("grain_simulation: gravity", numbers_of(given.gravity)),
       .damping = given.damping,
@@ -153,7 +150,7 @@ std::unique_ptr<AnySimulation> grains(const GrainArguments& given) {
   for (const auto wall : given.walls) {
     setup.walls.push_back(wall_of<Dim>(wall, setup.walls.size()));
   }
-  return grains(given.law, setup);
+  return std::visit([&](const auto& law) { return make_grain_simulation(setup, law); }, setup.law);
 }
 
 // The walls of a flow. The arrays have been checked by the package.

@@ -17,6 +17,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <memory>
 #include <numeric>
 #include <span>
 #include <string>
@@ -70,23 +71,35 @@ struct CallsHooks {
   bool stop_requested() { return hooks.stop_requested(); }
 };
 
-/// `Sim` is a Simulation.
+/// Reads a simulation and further parts; compare(read), with the simulation of the file, throws if
+/// the set-up is another one.
+template <class Sim, class Compare, class... Parts>
+void read_compared(const CheckpointToRead& from, Sim& simulation, Compare&& compare,
+                   Parts&... parts) {
+  Sim copy = simulation;
+  silt::read_checkpoint(from, copy, parts...);
+  if (!from.accepts_other_setup) compare(std::as_const(copy));
+  simulation = std::move(copy);
+}
+
+/// What can be done with the particles of a simulation, also of one that is a part of another, and
+/// belongs to it. `Sim` is a Simulation.
 template <class Sim>
 class TypedSimulation : public AnySimulation {
  public:
-  explicit TypedSimulation(Sim simulation) : simulation_(std::move(simulation)) {}
+  explicit TypedSimulation(std::shared_ptr<Sim> simulation) : shared_(std::move(simulation)) {}
 
   int dimension() const override { return Particles::dimension; }
-  Index size() const override { return simulation_.particles().size(); }
-  double time() const override { return simulation_.time(); }
-  std::uint64_t steps() const override { return simulation_.steps(); }
-  double last_time_step() const override { return simulation_.last_time_step(); }
-  std::uint64_t particles_lost() const override { return simulation_.particles_lost(); }
-  std::span<const Id> ids() const override { return simulation_.particles().ids(); }
+  Index size() const override { return simulation().particles().size(); }
+  double time() const override { return simulation().time(); }
+  std::uint64_t steps() const override { return simulation().steps(); }
+  double last_time_step() const override { return simulation().last_time_step(); }
+  std::uint64_t particles_lost() const override { return simulation().particles_lost(); }
+  std::span<const Id> ids() const override { return simulation().particles().ids(); }
 
   std::vector<FieldInfo> fields() const override {
     std::vector<FieldInfo> all;
-    simulation_.particles().for_each_field([&]<class Values, class F>(const Values&, F) {
+    simulation().particles().for_each_field([&]<class Values, class F>(const Values&, F) {
       all.push_back(info_of<F, typename Values::value_type>());
     });
     return all;
@@ -94,21 +107,19 @@ class TypedSimulation : public AnySimulation {
   ColumnMemory column(std::string_view name, bool is_written) override {
     ColumnMemory memory;
     std::string names;
-    std::as_const(simulation_)
-        .particles()
-        .for_each_field([&]<class F>(const auto& values, F field) {
-          names += names.empty() ? "" : ", ";
-          names += name_of<F>();
-          if (name_of<F>() != name) return;
-          memory = is_written ? memory_of<F>(simulation_.particles()[field]) : memory_of<F>(values);
-        });
+    std::as_const(*shared_).particles().for_each_field([&]<class F>(const auto& values, F field) {
+      names += names.empty() ? "" : ", ";
+      names += name_of<F>();
+      if (name_of<F>() != name) return;
+      memory = is_written ? memory_of<F>(simulation().particles()[field]) : memory_of<F>(values);
+    });
     if (memory.field.name.empty()) {
       fail("Simulation: there is no field \"" + std::string(name) + "\"; give one of " + names);
     }
     return memory;
   }
   std::vector<ColumnCopy> snapshot() const override {
-    const Particles particles = simulation_.snapshot();
+    const Particles particles = simulation().snapshot();
     const auto ids = particles.ids();
     std::vector<Index> order(particles.size());
     std::iota(order.begin(), order.end(), Index(0));
@@ -120,21 +131,8 @@ class TypedSimulation : public AnySimulation {
     return all;
   }
 
-  double time_step() override { return simulation_.time_step(); }
-  void step() override {
-    before_step();
-    simulation_.step();
-  }
-  void step(double dt) override {
-    before_step();
-    simulation_.step(dt);
-  }
-  bool run(const Run& run, Hooks& hooks) override {
-    CallsHooks observer{hooks, [this] { before_step(); }};
-    return simulation_.run(run, observer);
-  }
   void remove(const std::vector<Id>& ids) override {
-    auto& particles = simulation_.particles();
+    auto& particles = simulation().particles();
     for (const Id id : ids) {
       if (particles.index_of(id) == no_index) {
         fail("Simulation.remove: no particle has the id " + std::to_string(id) +
@@ -145,25 +143,13 @@ class TypedSimulation : public AnySimulation {
     particles.remove_if([&](Index i) { return gone.contains(particles.id(i)); });
   }
 
-  void write_frame(VtkSeries& frames) const override { frames(simulation_); }
+  void write_frame(VtkSeries& frames) const override { frames(simulation()); }
 
  protected:
-  /// What a simulation does before each step.
-  virtual void before_step() {}
-
   using Particles = std::remove_cvref_t<decltype(std::declval<Sim&>().particles())>;
 
-  /// Reads the simulation and further parts; compare(box), with the box of the file, throws if the
-  /// set-up is another one.
-  template <class Compare, class... Parts>
-  void read(const CheckpointToRead& from, Compare&& compare, Parts&... parts) {
-    Sim copy = simulation_;
-    silt::read_checkpoint(from, copy, parts...);
-    if (!from.accepts_other_setup) compare(copy.particles().box());
-    simulation_ = std::move(copy);
-  }
-
-  Sim simulation_;
+  const Sim& simulation() const { return *shared_; }
+  Sim& simulation() { return *shared_; }
 
  private:
   template <class Values>
@@ -179,6 +165,33 @@ class TypedSimulation : public AnySimulation {
     }
     return copy;
   }
+
+  std::shared_ptr<Sim> shared_;
+};
+
+/// A simulation that makes its own steps; Base is a TypedSimulation.
+template <class Base>
+class Alone : public Base {
+ public:
+  using Base::Base;
+
+  double time_step() override { return this->simulation().time_step(); }
+  void step() override {
+    before_step();
+    this->simulation().step();
+  }
+  void step(double dt) override {
+    before_step();
+    this->simulation().step(dt);
+  }
+  bool run(const Run& run, Hooks& hooks) override {
+    CallsHooks observer{hooks, [this] { before_step(); }};
+    return this->simulation().run(run, observer);
+  }
+
+ protected:
+  /// What a simulation does before each step.
+  virtual void before_step() {}
 };
 
 }  // namespace silt::python

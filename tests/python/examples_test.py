@@ -77,6 +77,15 @@ class Examples(unittest.TestCase):
         self.assertLess(variables["left"].volume, -0.1)
         self.assertIn("have entered", output)
 
+    def test_sand_sinks_in_water(self):
+        variables, output, files = self.run_example("grains_in_water")
+        heights = variables["grains"]["position"][:, 2]
+        self.assertGreater(variables["sunk"], 0.05)
+        self.assertGreater(heights.min(), 0)
+        self.assertLess(abs(variables["water"]["position"][:, 2].max() - 0.2), 0.02)
+        self.assertIn("The sand has sunk by", output)
+        self.assertIn("sand_grains_000025.vtu", files)
+
     @unittest.skipUnless(importlib.util.find_spec("matplotlib"), "Matplotlib is not installed")
     def test_notebook_sets_up_runs_and_plots(self):
         os.environ["MPLBACKEND"] = "Agg"

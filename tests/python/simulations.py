@@ -9,6 +9,8 @@ import silt
 
 R = 0.02  # of grains [m]
 LAW = silt.CundallStrack(normal_stiffness=1e6, tangential_stiffness=5e5, restitution=0.5, friction_angle=0.46)
+L0, D = 0.02, 0.01  # spacing of water, diameter of a grain in it [m]
+SOFT = silt.CundallStrack(normal_stiffness=1e3, tangential_stiffness=300, restitution=0.5, friction_angle=0.4)
 
 
 def grains(**further):
@@ -43,6 +45,27 @@ def floating_box(**further):
     body = silt.FloatingBody(**(arguments | further))
     x = silt.remove_inside(silt.lattice((0, 0), (0.6, 0.2), 0.02), arguments["faces"], 0.02)
     return water(position=x, bodies=body)
+
+
+def discs(**further):
+    """In the water of pool(), above the floor."""
+    arguments = {"position": silt.lattice((0.02, 0.1), (0.18, 0.2), 1.6 * D), "radius": D / 2, "law": SOFT}
+    return grains(**(arguments | further))
+
+
+def pool(**further):
+    return water(**({"tank": (0.2, 0.5)} | further))
+
+
+def balls(**further):
+    """A sphere in the water of tank()."""
+    arguments = {"position": [(0.05, 0.05, 0.06)], "radius": D / 2, "law": SOFT}
+    return spheres(**(arguments | further))
+
+
+def tank(**further):
+    arguments = {"position": silt.lattice((0, 0, 0), (0.1, 0.1, 0.12), L0), "tank": (0.1, 0.1, 0.3)}
+    return water(**(arguments | further))
 
 
 def bits(simulation):

@@ -102,21 +102,21 @@ void require_common_setup(GrainSimulation& grains, const FluidSimulation& fluid)
   }
   require_small_grains_off_walls(std::as_const(grains).particles(), fluid.interaction().walls(),
                                  settings.spacing);
-  auto& forces = fluid_forces_of(grains.interaction());
-  using Drag = std::remove_cvref_t<decltype(forces.drag())>;
-  if constexpr (!std::is_same_v<Drag, NoDrag>) {
-    const double mu = settings.density * settings.viscosity;
-    for (const double fluid_fraction : {0.5, 0.9}) {
-      const double tested = forces.drag().coefficient({.diameter = settings.spacing,
-                                                       .fluid_fraction = fluid_fraction,
-                                                       .speed = 1,
-                                                       .density = settings.density,
-                                                       .viscosity = mu});
-      if (tested > 0 && is_finite(tested)) continue;
-      fail({"Coupled: a drag of β = ", tested,
-            " kg/s at 1 m/s in a fluid with FlowSettings: viscosity = ", settings.viscosity,
-            " m²/s; give the fluid a viscosity, or the grains NoDrag"});
-    }
+  const auto& drag = fluid_forces_of(grains.interaction()).drag();
+  if constexpr (requires { drag.is_none(); }) {
+    if (drag.is_none()) return;
+  }
+  const double mu = settings.density * settings.viscosity;
+  for (const double fluid_fraction : {0.5, 0.9}) {
+    const double tested = drag.coefficient({.diameter = settings.spacing,
+                                            .fluid_fraction = fluid_fraction,
+                                            .speed = 1,
+                                            .density = settings.density,
+                                            .viscosity = mu});
+    if (tested > 0 && is_finite(tested)) continue;
+    fail({"Coupled: a drag of β = ", tested,
+          " kg/s at 1 m/s in a fluid with FlowSettings: viscosity = ", settings.viscosity,
+          " m²/s; give the fluid a viscosity, or the grains NoDrag"});
   }
 }
 

@@ -28,7 +28,7 @@ struct GrainInFluid {
 };
 
 /// coefficient(at) returns β [kg/s]; in 2D [kg/s] per metre of depth. A law with a member
-/// `dimension` holds in this one only.
+/// `dimension` holds in this one only, and one whose is_none() is true needs no viscosity.
 template <class D>
 concept DragLaw = requires(const D law, const GrainInFluid& at) {
   { law.coefficient(at) } -> std::convertible_to<double>;
@@ -46,6 +46,8 @@ constexpr bool holds_in_dimension() {
 
 /// None.
 struct NoDrag {
+  /// Whether β is always 0: the fluid needs no viscosity.
+  static constexpr bool is_none() { return true; }
   /// β [kg/s].
   static double coefficient(const GrainInFluid&) { return 0; }
 };

@@ -150,8 +150,10 @@ class FluidForces {
         const Vec further = M * a[i] - lift * volume * cross(vorticity[i], relative);
         const Vec drag = beta / (1 + kick * beta * (moved + mobility[i])) *
                          (relative - kick / inert * (F[i] + further));
-        change = kick * ((F[i] + further) / inert + moved * drag);
-        exchanged = further + (1 - M * mobility[i]) * drag - M / kick * change;
+        // Not by the change over `kick`: both are 0 in a snapshot before the first step.
+        const Vec acceleration = (F[i] + further) / inert + moved * drag;
+        change = kick * acceleration;
+        exchanged = further + (1 - M * mobility[i]) * drag - M * acceleration;
         F[i] += exchanged;
         if (counts_) impulse[i] += kick * exchanged;
       }
