@@ -218,19 +218,33 @@ class Coupled {
   void save() {
     saved_grains_ = grains_;
     const F& fluid = fluid_.particles();
-    const auto copy = [&](auto& saved, auto field) {
+    saved_.for_each([&](auto field, auto& saved) {
       const auto values = fluid[field];
       saved.assign(values.begin(), values.end());
-    };
-    copy(saved_fractions_, mps::fluid_fraction);
-    copy(saved_surface_, mps::surface);
+    });
   }
   void restore() {
     grains_ = *saved_grains_;
     F& fluid = fluid_.particles();
-    std::copy(saved_fractions_.begin(), saved_fractions_.end(), fluid[mps::fluid_fraction].begin());
-    std::copy(saved_surface_.begin(), saved_surface_.end(), fluid[mps::surface].begin());
+    saved_.for_each([&](auto field, const auto& saved) {
+      std::copy(saved.begin(), saved.end(), fluid[field].begin());
+    });
   }
+  // What is changed of the fluid before its own step, which undoes the rest.
+  struct SavedFluid {
+    Buffer<Real> fractions, rates, responses;
+    Buffer<Vec> exchange;
+    Buffer<std::uint8_t> surface;
+
+    template <class Each>
+    void for_each(Each&& f) {
+      f(mps::fluid_fraction, fractions);
+      f(mps::fluid_fraction_rate, rates);
+      f(mps::response, responses);
+      f(mps::momentum_exchange, exchange);
+      f(mps::surface, surface);
+    }
+  };
 
   GrainSimulation grains_;
   FluidSimulation fluid_;
@@ -240,8 +254,7 @@ class Coupled {
   double last_time_step_ = 0;
   std::uint64_t steps_ = 0;
   std::optional<GrainSimulation> saved_grains_;
-  Buffer<Real> saved_fractions_;
-  Buffer<std::uint8_t> saved_surface_;
+  SavedFluid saved_;
   silt::detail::ThreadChoice thread_choice_;
   silt::detail::RunState run_;
 };
