@@ -9,9 +9,7 @@
 //   examples/plot_wave_maker.py out/wave_maker
 //
 // The wave maker moves by S/2 sin(ω t) about x = 0, growing in the first two periods. The levels of
-// the water at some places are those of SurfaceHeight. In the sponge, water loses velocity at a
-// rate that grows as the square of the distance from its beginning.
-#include <silt/core/buffer.hpp>
+// the water at some places are those of SurfaceHeight.
 #include <silt/geometry/given_motions.hpp>
 #include <silt/geometry/shapes.hpp>
 #include <silt/measure/surface_height.hpp>
@@ -24,13 +22,13 @@
 #include "support/findings.hpp"
 #include "support/history.hpp"
 #include "support/resume.hpp"
+#include "support/sponge.hpp"
 #include "support/tank_run.hpp"
 #include "support/water_waves.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -49,44 +47,8 @@ struct Options : support::TankOptions {
   double far_begin() const { return far_end == "wall" ? length : length - far_length; }
 };
 
-// Friction between particles, and that of the sponge, for x > begin: u' = −rate ((x −
-// begin)/length)² u.
-struct Sponge : mps::PairFriction {
-  double begin = std::numeric_limits<double>::infinity();  // [m]
-  double length = 1;                                       // [m]
-  double rate_at_end = 0;                                  // [1/s]
-
-  template <int Dim, class Real>
-  class InFlow;
-};
-
-template <int Dim, class Real>
-class Sponge::InFlow {
- public:
-  explicit InFlow(const Sponge& sponge) : sponge_(sponge), of_pairs_(sponge) {}
-
-  void find(const auto& step) {
-    of_pairs_.find(step);
-    const auto x = step.particles[position];
-    shares_.resize(step.particles.size());
-    for_each(shares_.size(), [&](Index i) {
-      const double s = std::max(0.0, (double(x[i][0]) - sponge_.begin) / sponge_.length);
-      const double loss = sponge_.rate_at_end * s * s * double(step.time_step);
-      shares_[i] = Real(loss / (1 + loss));
-    });
-  }
-  Vec<Dim, Real> velocity_change(const auto& at) const {
-    return of_pairs_.velocity_change(at) - shares_[at.index()] * at.velocity();
-  }
-
- private:
-  Sponge sponge_;
-  mps::PairFriction::InFlow<Dim, Real> of_pairs_;
-  Buffer<Real> shares_;  // of its velocity that a particle loses in a step
-};
-
 struct Scheme : mps::Recommended {
-  Sponge friction{};
+  support::Sponge friction{};
 };
 
 void describe(CLI::App& app, Options& o) {
@@ -108,11 +70,7 @@ void describe(CLI::App& app, Options& o) {
 
 template <int Dim>
 AnyRigidMotion<Dim> motion(const Options& o) {
-  const auto shift = [ramp = 2 * o.period, omega = o.wave().frequency(),
-                      half = o.stroke / 2](double t) {
-    const double s = std::clamp(t / ramp, 0.0, 1.0);
-    return half * s * s * (3 - 2 * s) * std::sin(omega * t);
-  };
+  const support::WaveMakerShift shift{.stroke = o.stroke, .period = o.period};
   if (o.type == "piston") {
     return MotionFunction<Dim>{[=](double t) {
       Pose<Dim> pose;
@@ -163,14 +121,9 @@ void set_walls(const Options& o, auto& tank) {
   });
 }
 
-// Of the levels [m]: three depths away from the wave maker, whose evanescent waves are gone there,
-// and at distances that tell waves in both directions apart.
+// Of the levels [m]: three depths away from the wave maker, whose evanescent waves are gone there.
 std::vector<double> gauges(const Options& o) {
-  std::vector<double> x;
-  for (const double share : {0.0, 0.1, 0.25, 0.45}) {
-    x.push_back(3 * o.depth + share * o.wave().length());
-  }
-  return x;
+  return support::gauges_from(3 * o.depth, o.wave().length());
 }
 
 std::vector<support::Finding> evaluate(const Options& o, const support::History& history) {
@@ -219,10 +172,7 @@ void simulate(const Options& o) {
   auto settings = support::flow_settings<Scheme, Dim>(o, o.depth);
   settings.walls = tank.walls;
   if (o.far_end == "sponge") {
-    // Waves that go through it and back keep e^{−rate length/(3 speed)} of their height: 1 %.
-    settings.friction.begin = o.far_begin();
-    settings.friction.length = o.far_length;
-    settings.friction.rate_at_end = 14 * o.wave().group_speed() / o.far_length;
+    settings.friction = support::sponge_for(o.wave(), o.far_begin(), o.far_length);
   }
   const auto x = gauges(o);
   std::vector<std::string> names;

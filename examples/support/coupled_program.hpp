@@ -67,10 +67,9 @@ inline auto contacts_in_tank(const CoupledOptions& o, double width, double floor
 }
 
 /// Settings of the flow with the initial depth `depth` [m].
-template <int Dim>
-silt::mps::FlowSettings<Dim, silt::mps::InMixture<>> mixture_settings(const CoupledOptions& o,
-                                                                      double depth) {
-  auto settings = flow_settings<silt::mps::InMixture<>, Dim>(o, depth);
+template <int Dim, class Scheme = silt::mps::InMixture<>>
+silt::mps::FlowSettings<Dim, Scheme> mixture_settings(const CoupledOptions& o, double depth) {
+  auto settings = flow_settings<Scheme, Dim>(o, depth);
   settings.viscosity = o.viscosity;
   return settings;
 }
@@ -80,15 +79,15 @@ template <int Dim>
 using DragOfGrains = std::conditional_t<Dim == 2, DiscDrag, silt::coupled::DiFelice>;
 
 /// Both simulations in one.
-template <int Dim, class Contacts, class Drag>
+template <int Dim, class Scheme, class Contacts, class Drag>
 auto couple(const CoupledOptions& o, silt::coupled::GrainsInFluid<Dim> grains,
             silt::mps::FluidInMixture<Dim> water,
-            const silt::mps::FlowSettings<Dim, silt::mps::InMixture<>>& settings,
-            const Contacts& contacts, const Drag& drag) {
+            const silt::mps::FlowSettings<Dim, Scheme>& settings, const Contacts& contacts,
+            const Drag& drag) {
   using namespace silt;
   return or_reject([&] {
-    const mps::Flow<mps::InMixture<>, Dim> flow{
-        settings, mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
+    const mps::Flow<Scheme, Dim> flow{settings,
+                                      mps::PressureSolver<Dim>{{.tolerance = o.tolerance}}};
     return coupled::Coupled{
         Simulation{std::move(grains), NeighbourList<Dim>{},
                    Forces{contacts, Gravity<Dim>{-g * Vec<Dim>::Unit(Dim - 1)},

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Reads and draws the output of the examples of grains in water that does not resolve them: settling,
-fluidised_bed and landslide.
+fluidised_bed, landslide and breakwater.
 
     run = GrainsInWater("out/landslide")
     run.figure([0, 0.5, 1], "title")      water and grains at some times

@@ -225,6 +225,7 @@ STEPS = [
     Step("own_law", "draw_frames.py", "wet.pvd"),
     Step("own_field", "draw_frames.py", "drum.pvd", "--field", "colour"),
     Step("compare", "tutorial/draw_front.py", "front.csv"),
+    Step("grains_in_water", "tutorial/draw_both.py", "rain.pvd"),
 ]
 SOURCES += STEPS
 MOVING = "draw_gallery_moving.py"

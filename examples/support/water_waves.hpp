@@ -50,6 +50,25 @@ struct LinearWave {
   }
 };
 
+/// That of a wave maker [m]: S/2 sin(ω t), growing in the first two periods.
+struct WaveMakerShift {
+  double stroke = 0;  ///< S [m]
+  double period = 0;  ///< [s]
+
+  double operator()(double t) const {
+    const double s = std::clamp(t / (2 * period), 0.0, 1.0);
+    return stroke / 2 * s * s * (3 - 2 * s) * std::sin(2 * std::numbers::pi / period * t);
+  }
+};
+
+/// Places of gauges [m] at distances that tell waves of a length in both directions apart, from
+/// `first` on.
+inline std::vector<double> gauges_from(double first, double wave_length) {
+  std::vector<double> x;
+  for (const double share : {0.0, 0.1, 0.25, 0.45}) x.push_back(first + share * wave_length);
+  return x;
+}
+
 /// From one time to another.
 struct Window {
   double begin = 0;
