@@ -76,7 +76,8 @@ class Coupled {
 
   /// Of both after the last step, and the work since the first one.
   CoupledEnergy energy() const {
-    return {energy_.energy(), fluid_.interaction().energy(), energy_.by_exchange_on_fluid()};
+    const auto& flow = fluid_.interaction();
+    return energy_.energy(flow.energy(), flow.energy_of(fluid_.particles()));
   }
 
   /// That of the grains.
@@ -112,12 +113,14 @@ class Coupled {
   /// One step of the flow of dt [s], and those of the grains within it, with u and ∇P of the fluid
   /// at its beginning. If one of them throws, both are as before.
   void step(double dt) {
+    detail::require_common_times(grains_, fluid_, time_);
     save();
     try {
       G& grains = grains_.particles();
       F& fluid = fluid_.particles();
       const Vec g = settings().gravity.template cast<Real>();
       const GrainEnergy before = GrainEnergyAccount::of(std::as_const(grains), g);
+      const Index number = grains.size();
       exchange_.find_volumes(grains, fluid);
       const auto& forces = begin_forces();
       exchange_.give_to_grains(
@@ -130,8 +133,13 @@ class Coupled {
       fluid_.step(dt);
       auto work = exchange_.correct(grains, fluid, dt, forces.acted_for());
       work.on_grains += forces.work();
-      energy_.add(before, GrainEnergyAccount::of(std::as_const(grains), g), work.on_grains,
-                  work.on_fluid, g);
+      energy_.add({.before = before,
+                   .after = GrainEnergyAccount::of(std::as_const(grains), g),
+                   .on_grains = work.on_grains,
+                   .on_fluid = work.on_fluid,
+                   .after_fluid = work.after_fluid,
+                   .has_all_grains = grains.size() == number},
+                  g);
     } catch (...) {
       restore();
       throw;
@@ -159,6 +167,8 @@ class Coupled {
     if (steps_ > 0) {
       fail("Coupled: let_fluid_settle() was called after a step; call it before the first one");
     }
+    require_positive("Coupled: let_fluid_settle: tolerance", settling.tolerance);
+    require_positive("Coupled: let_fluid_settle: max_steps", settling.max_steps);
     FluidSimulation trial = fluid_;
     double moved = 0;
     for (int n = 0; n < settling.max_steps; ++n) {
@@ -177,7 +187,10 @@ class Coupled {
     const auto copy = [&](auto field) {
       const auto values = settled[field];
       const auto own = fluid[field];
-      for (Index i = 0; i < fluid.size(); ++i) own[i] = values[settled.index_of(fluid.id(i))];
+      for (Index i = 0; i < fluid.size(); ++i) {
+        const Index there = settled.index_of(fluid.id(i));
+        if (there != no_index) own[i] = values[there];
+      }
     };
     copy(position), copy(mps::pressure), copy(mps::pressure_gradient), copy(mps::surface);
     exchange_.find_volumes(grains_.particles(), fluid);

@@ -24,7 +24,8 @@ struct GrainEnergy {
   double by_exchange = 0;     ///< drag, added mass and lift
   double by_contacts = 0;     ///< contacts, walls, and all further forces but gravity
   double by_integration = 0;  ///< work of gravity minus the decrease of the potential energy
-  double added = 0;  ///< between steps, and by the first one, which shifts velocities by half a step
+  double added = 0;  ///< between steps, with removed grains, and by the first step, which shifts
+                     ///< velocities by half of it
 
   /// kinetic + potential [J].
   double total() const { return kinetic + potential; }
@@ -37,17 +38,15 @@ struct GrainEnergy {
 /// Energy of both, and work since the first step, all in [J]; in 2D per metre of depth.
 struct CoupledEnergy {
   GrainEnergy grains;
-  /// Its by_force includes the exchange; the changes that follow from the added mass after a step are
-  /// in `added`, in the next step.
-  mps::FlowEnergy fluid;
+  mps::FlowEnergy fluid;            ///< with the exchange in by_exchange_on_fluid only
   double by_exchange_on_fluid = 0;  ///< drag, added mass and lift
 
   double total() const { return grains.total() + fluid.total(); }  ///< kinetic + potential [J]
   /// Of both, by drag [J]; with an added mass, what the motion of the fluid between the grains has
   /// stored is included.
   double lost_by_exchange() const { return -(grains.by_exchange + by_exchange_on_fluid); }
-  /// Round-off [J].
-  double imbalance() const { return grains.imbalance() + fluid.imbalance(); }
+  /// total() minus all other terms: round-off [J].
+  double imbalance() const { return grains.imbalance() + fluid.imbalance() - by_exchange_on_fluid; }
 };
 
 /// Updates the GrainEnergy, and sums the work on the fluid. Sums are bitwise identical for any number
@@ -63,30 +62,53 @@ class GrainEnergyAccount {
     return found;
   }
 
-  const GrainEnergy& energy() const noexcept { return energy_; }
-  double by_exchange_on_fluid() const noexcept { return on_fluid_; }  ///< [J]
+  /// Of both: of_flow as the flow has it, and the current energies of the fluid.
+  CoupledEnergy energy(mps::FlowEnergy of_flow, const mps::FlowEnergy& current) const {
+    of_flow.by_force -= on_fluid_;
+    of_flow.added += current.total() - of_flow.total() - after_fluid_;
+    of_flow.kinetic = current.kinetic;
+    of_flow.potential = current.potential;
+    return {energy_, of_flow, on_fluid_ + after_fluid_};
+  }
 
-  /// After a step: of() before and after it, and the work of all forces in it.
+  /// What a step changes.
+  struct Step {
+    GrainEnergy before, after;  ///< see of()
+    WorkOnGrains on_grains;
+    double on_fluid, after_fluid;  ///< of the exchange, see Exchange::Work [J]
+    bool has_all_grains;           ///< none was removed
+  };
+  /// After a step, with gravity [m/s²].
   template <class Vec>
-  void add(const GrainEnergy& before, const GrainEnergy& after, const WorkOnGrains& work,
-           double on_fluid, const Vec& gravity) {
+  void add(const Step& step, const Vec& gravity) {
     double by_gravity = 0;
-    for (int k = 0; k < Vec::RowsAtCompileTime; ++k) by_gravity += double(gravity[k]) * work.moved_mass[k];
-    const double kinetic_change = work.by_pressure + work.by_exchange + work.by_others;
+    for (int k = 0; k < Vec::RowsAtCompileTime; ++k) {
+      by_gravity += double(gravity[k]) * step.on_grains.moved_mass[k];
+    }
+    const WorkOnGrains& work = step.on_grains;
+    const double kinetic_change = step.after.kinetic - step.before.kinetic;
+    const double unexplained =
+        kinetic_change - (work.by_pressure + work.by_exchange + work.by_others);
+    const double moved = by_gravity + (step.after.potential - step.before.potential);
     if (has_begun_) {
-      energy_.added += before.total() - energy_.total();
+      energy_.added += step.before.total() - energy_.total();
     } else {
-      energy_.initial = before.initial;
-      energy_.added = after.kinetic - before.kinetic - kinetic_change;
+      energy_.initial = step.before.initial;
+      energy_.added = unexplained;
       has_begun_ = true;
+    }
+    if (step.has_all_grains) {
+      energy_.by_integration += moved;
+    } else {
+      energy_.added += unexplained + moved;
     }
     energy_.by_pressure += work.by_pressure;
     energy_.by_exchange += work.by_exchange;
     energy_.by_contacts += work.by_others - by_gravity;
-    energy_.by_integration += by_gravity + (after.potential - before.potential);
-    energy_.kinetic = after.kinetic;
-    energy_.potential = after.potential;
-    on_fluid_ += on_fluid;
+    energy_.kinetic = step.after.kinetic;
+    energy_.potential = step.after.potential;
+    on_fluid_ += step.on_fluid;
+    after_fluid_ += step.after_fluid;
   }
 
   template <class Archive>
@@ -100,12 +122,14 @@ class GrainEnergyAccount {
     archive("by_contacts", energy_.by_contacts);
     archive("by_integration", energy_.by_integration);
     archive("added", energy_.added);
-    archive("by_exchange_on_fluid", on_fluid_);
+    archive("on_fluid", on_fluid_);
+    archive("after_fluid", after_fluid_);
   }
 
  private:
   GrainEnergy energy_;
-  double on_fluid_ = 0;
+  double on_fluid_ = 0;     // in steps of the flow
+  double after_fluid_ = 0;  // after them
   bool has_begun_ = false;
 };
 

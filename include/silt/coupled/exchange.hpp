@@ -37,7 +37,7 @@ struct ExchangeSettings {
 
 /// The exchange of grains of type G with particles of a fluid of type F. In each step,
 /// find_volumes(), give_to_grains(), give_to_fluid() and correct() are called in this order.
-/// In between, particles may be sorted in memory, and grains be removed.
+/// In between, particles may be sorted in memory, and both be removed.
 template <ParticlesInFluid G, mps::ParticlesInMixture F>
 class Exchange {
  public:
@@ -95,7 +95,7 @@ class Exchange {
          {.particle = dense, .id = grains.id(dense)});
   }
 
-  /// u, its vorticity, ε, β, −χ V ∇P and the mobility of the fluid around each grain.
+  /// u, its vorticity, ε, −χ V ∇P and the mobility of the fluid around each grain.
   /// coefficient_of(diameter, ε, speed, χ) is β of a grain, see FluidForces::coefficient(); the
   /// step has this length [s].
   template <class CoefficientOf>
@@ -112,7 +112,6 @@ class Exchange {
     const auto undisturbed = grains[fluid_velocity];
     const auto accelerated = grains[fluid_acceleration];
     const auto share = grains[fluid_share];
-    const auto drag = grains[drag_coefficient];
     const auto of_pressure = grains[pressure_force];
     const auto vorticity = grains[fluid_vorticity];
     const auto impulse = grains[exchanged_impulse];
@@ -136,7 +135,7 @@ class Exchange {
       of_pressure[k] = -volumes_[k] * of_gradients;
       impulse[k] = Vec::Zero();
       const double speed = double(Vec(undisturbed[k] - v[k]).norm());
-      coefficients_[k] = drag[k] =
+      coefficients_[k] =
           immersed[k] > 0
               ? Real(coefficient_of(2 * double(R[k]), double(epsilon), speed, double(immersed[k])))
               : Real(0);
@@ -183,7 +182,8 @@ class Exchange {
   /// Work in a step.
   struct Work {
     WorkOnGrains on_grains;
-    double on_fluid = 0;  ///< of the exchange [J]
+    double on_fluid = 0;     ///< of the exchange, in the flow's step [J]
+    double after_fluid = 0;  ///< of that after it, by the added mass [J]
   };
   /// Gives the grains the impulse −χ V ∇P Δt of the step that the flow has made, less that of
   /// pressure_force, which acted for a time [s] on them, and the fluid that of the added mass.
@@ -199,8 +199,7 @@ class Exchange {
     const auto wake = grains[own_wake];
     const auto v = grains[velocity];
     places_.resize(ids_of_fluid_.size());
-    for_each(places_.size(),
-             [&](Index i) { places_[i] = std::uint32_t(fluid.index_of(ids_of_fluid_[i])); });
+    for_each(places_.size(), [&](Index i) { places_[i] = fluid.index_of(ids_of_fluid_[i]); });
     Work work;
     work.on_grains = ordered_sum(ids_of_grains_.size(), WorkOnGrains{}, [&](Index k) {
       WorkOnGrains of_grain;
@@ -211,8 +210,9 @@ class Exchange {
       wake[now] = of_one.after(Vec(wake[now]), Vec(impulse[now]), double(relative.norm()),
                                double(rates_of_others_[k]), time_step);
       Vec of_gradients = Vec::Zero();
-      weights_.for_each_particle(
-          k, [&](Index i, Real weight) { of_gradients += weight * gradient[places_[i]]; });
+      weights_.for_each_particle(k, [&](Index i, Real weight) {
+        if (places_[i] != no_index) of_gradients += weight * gradient[places_[i]];
+      });
       const Vec force = -volumes_[k] * of_gradients;
       const Vec of_pressure = Real(time_step) * force - Real(acted_for) * before[now];
       const Vec change = of_pressure * Real(1 + settings_.added_mass) /
@@ -226,20 +226,24 @@ class Exchange {
     });
     const auto exchanged = std::as_const(fluid)[mps::momentum_exchange];
     const auto of_fluid = fluid[velocity];
-    work.on_fluid =
-        double(mass_) * ordered_sum(ids_of_fluid_.size(), 0.0, [&](Index i) {
-          const Index now = places_[i];
-          const Vec mean = (velocities_before_[i] + of_fluid[now]) / 2;
-          double of_particle = double(Real(time_step) * exchanged[now].dot(mean));
-          if (settings_.added_mass > 0) {
-            Vec sum = Vec::Zero();
-            weights_.for_each_grain(i, [&](Index k, Real weight) { sum += weight * impulses_[k]; });
-            const Vec change = -sum / mass_;
-            of_particle += double(change.dot(of_fluid[now] + change / 2));
-            of_fluid[now] += change;
-          }
-          return of_particle;
-        });
+    const auto work_on = [&](Index i) {
+      silt::Vec<2> of_particle = silt::Vec<2>::Zero();
+      const Index now = places_[i];
+      if (now == no_index) return of_particle;
+      const Vec mean = (velocities_before_[i] + of_fluid[now]) / 2;
+      of_particle[0] = double(Real(time_step) * exchanged[now].dot(mean));
+      if (!(settings_.added_mass > 0)) return of_particle;
+      Vec sum = Vec::Zero();
+      weights_.for_each_grain(i, [&](Index k, Real weight) { sum += weight * impulses_[k]; });
+      const Vec change = -sum / mass_;
+      of_particle[1] = double(change.dot(of_fluid[now] + change / 2));
+      of_fluid[now] += change;
+      return of_particle;
+    };
+    const silt::Vec<2> on_fluid =
+        ordered_sum(ids_of_fluid_.size(), silt::Vec<2>(silt::Vec<2>::Zero()), work_on);
+    work.on_fluid = double(mass_) * on_fluid[0];
+    work.after_fluid = double(mass_) * on_fluid[1];
     return work;
   }
 
@@ -378,7 +382,7 @@ class Exchange {
   Weights<dimension, Real> weights_;
   // In the order of the weights, by grain and by particle.
   Buffer<Id> ids_of_grains_, ids_of_fluid_;
-  Buffer<std::uint32_t> places_;  // of the particles, after they were sorted
+  Buffer<Index> places_;          // of the particles, after they were sorted
   Buffer<Vec> means_;             // Σ_i W u [m/s]
   Buffer<Real> coefficients_;     // β, and later β/(1 + Δt β D) [kg/s]
   Buffer<Real> of_particles_;     // Σ_k W β [kg/s]

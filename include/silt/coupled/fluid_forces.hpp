@@ -7,6 +7,7 @@
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/parallel.hpp>
+#include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/vectors.hpp>
 #include <silt/coupled/drag.hpp>
@@ -15,6 +16,7 @@
 #include <silt/dem/setup/grains.hpp>
 
 #include <utility>
+#include <vector>
 
 namespace silt::coupled {
 
@@ -31,8 +33,9 @@ struct FluidForceCoefficients {
 ///   u' − u = Δt (a − D β (u' − v'))
 ///
 /// F are all other forces: this part is the last one of Forces. a is the acceleration of the fluid
-/// around the grain without the drag, D its mobility. u, ω, a, D, and β of the velocities at the
-/// beginning of the flow's step, are those that Coupled has set; V is the immersed volume.
+/// around the grain without the drag, D its mobility. u, ω, a, D and ε are those that Coupled has
+/// set; V is the immersed volume. β and L are those of v and of u with the impulses before the
+/// step.
 template <DragLaw Drag>
 class FluidForces {
  public:
@@ -96,6 +99,26 @@ class FluidForces {
   /// Called by Leapfrog, see DependsOnLastTimeStep.
   void set_last_time_step(double dt) { last_time_step_ = dt; }
 
+  /// For a checkpoint, see core/transfer.hpp: what identifies the law, by β in some conditions.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    std::vector<double> betas;
+    for (const double fluid_fraction : {0.45, 0.7, 0.95}) {
+      for (const double speed : {1e-4, 1e-2, 1.0}) {
+        const double beta = drag_.coefficient({.diameter = 1e-2,
+                                               .fluid_fraction = fluid_fraction,
+                                               .speed = speed,
+                                               .density = 1000,
+                                               .viscosity = 1e-3});
+        betas.push_back(is_finite(beta) ? beta : -1);
+      }
+    }
+    archive.setup("forces", std::vector<SetupPart>{
+                                {"FluidForces::drag", betas},
+                                {"FluidForceCoefficients::added_mass", {coefficients_.added_mass}},
+                                {"FluidForceCoefficients::lift", {coefficients_.lift}}});
+  }
+
   template <class P>
   typename P::Real reach(const P&) const {
     return 0;
@@ -130,7 +153,7 @@ class FluidForces {
     const auto a = std::as_const(grains)[fluid_acceleration];
     const auto vorticity = std::as_const(grains)[fluid_vorticity];
     const auto immersed = std::as_const(grains)[immersion];
-    const auto coefficients = std::as_const(grains)[drag_coefficient];
+    const auto share = std::as_const(grains)[fluid_share];
     const auto of_pressure = std::as_const(grains)[pressure_force];
     const auto mobility = std::as_const(grains)[fluid_mobility];
     const auto v = std::as_const(grains)[velocity];
@@ -141,16 +164,19 @@ class FluidForces {
     const auto act_on = [&](Index i) {
       const Vec others = F[i];
       Vec exchanged = Vec::Zero(), change = kick / m[i] * others;
-      if (immersed[i] > 0) {
+      // In a snapshot before the first step, the fluid around grains is not known.
+      const bool acts = immersed[i] > 0 && share[i] > 0;
+      if (acts) {
         F[i] += of_pressure[i];
         const Vec relative = u[i] + end * a[i] - mobility[i] * impulse[i] - v[i];
-        const Real beta = coefficients[i];
+        // In each step: with that of the flow's whole step, light grains swing about their speed.
+        const Real beta = Real(coefficient(2 * double(R[i]), double(share[i]),
+                                           double(relative.norm()), double(immersed[i])));
         const Real volume = immersed[i] * Real(dem::volume_of<P::dimension>(double(R[i])));
         const Real M = added_mass * volume, inert = m[i] + M, moved = (1 - M * mobility[i]) / inert;
         const Vec further = M * a[i] - lift * volume * cross(vorticity[i], relative);
         const Vec drag = beta / (1 + kick * beta * (moved + mobility[i])) *
                          (relative - kick / inert * (F[i] + further));
-        // Not by the change over `kick`: both are 0 in a snapshot before the first step.
         const Vec acceleration = (F[i] + further) / inert + moved * drag;
         change = kick * acceleration;
         exchanged = further + (1 - M * mobility[i]) * drag - M * acceleration;
@@ -159,7 +185,7 @@ class FluidForces {
       }
       const Vec mean = v[i] + change / 2;
       WorkOnGrains work;
-      work.by_pressure = immersed[i] > 0 ? double(kick * of_pressure[i].dot(mean)) : 0;
+      work.by_pressure = acts ? double(kick * of_pressure[i].dot(mean)) : 0;
       work.by_exchange = double(kick * exchanged.dot(mean));
       work.by_others = double(kick * others.dot(mean));
       work.add_motion(double(kick * m[i]), mean);

@@ -23,8 +23,6 @@ inline constexpr struct fluid_share_t : scalar_field, constant_field {
 } fluid_share{};  ///< ε of the fluid around a grain [-]
 inline constexpr struct immersion_t : scalar_field, constant_field {
 } immersion{};  ///< share χ of the grain that is in the fluid [-]
-inline constexpr struct drag_coefficient_t : scalar_field, constant_field {
-} drag_coefficient{};  ///< β of the drag β (u − v) [kg/s]
 inline constexpr struct pressure_force_t : vector_field, constant_field {
 } pressure_force{};  ///< −χ V ∇P [N]
 inline constexpr struct fluid_mobility_t : scalar_field, constant_field {
@@ -36,14 +34,14 @@ inline constexpr struct exchanged_impulse_t : vector_field {
 template <int Dim, class Real = double, Field... Further>
 using GrainsInFluid =
     dem::Grains<Dim, Real, fluid_velocity_t, fluid_acceleration_t, fluid_vorticity_t, own_wake_t,
-                fluid_share_t, immersion_t, drag_coefficient_t, pressure_force_t, fluid_mobility_t,
-                exchanged_impulse_t, Further...>;
+                fluid_share_t, immersion_t, pressure_force_t, fluid_mobility_t, exchanged_impulse_t,
+                Further...>;
 
 /// P has the fields of GrainsInFluid.
 template <class P>
 concept ParticlesInFluid =
     HasFields<P, radius_t, mass_t, velocity_t, force_t, fluid_velocity_t, fluid_acceleration_t,
-              fluid_vorticity_t, own_wake_t, fluid_share_t, immersion_t, drag_coefficient_t,
-              pressure_force_t, fluid_mobility_t, exchanged_impulse_t>;
+              fluid_vorticity_t, own_wake_t, fluid_share_t, immersion_t, pressure_force_t,
+              fluid_mobility_t, exchanged_impulse_t>;
 
 }  // namespace silt::coupled

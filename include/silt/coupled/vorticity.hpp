@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/types.hpp>
+#include <silt/core/vectors.hpp>
 #include <silt/coupled/weights.hpp>
 
 #include <Eigen/LU>
@@ -24,17 +25,29 @@ AngularVec<Dim, Real> vorticity_around(const Weights<Dim, Real>& weights, Index 
     centre += weight * r;
     mean += weight * u[i];
   });
+  // Not Eigen's products, see multiply().
   Matrix moments = Matrix::Zero(), products = Matrix::Zero();
   weights.for_each_offset(k, [&](Index i, Real weight, const Vec& r) {
-    const Vec arm = r - centre;
-    moments += weight * arm * arm.transpose();
-    products += weight * (u[i] - mean) * arm.transpose();
+    const Vec arm = r - centre, relative = u[i] - mean;
+    for (int a = 0; a < Dim; ++a) {
+      for (int b = 0; b < Dim; ++b) {
+        moments(a, b) += weight * arm[a] * arm[b];
+        products(a, b) += weight * relative[a] * arm[b];
+      }
+    }
   });
   const double size = double(moments.trace()) / Dim;
   if (!(double(moments.determinant()) > least_determinant * std::pow(size, Dim))) {
     return zero_of<AngularVec<Dim, Real>>();
   }
-  const Matrix gradient = products * moments.inverse();
+  const Matrix inverse = moments.inverse();  // symmetric
+  Matrix gradient;
+  for (int a = 0; a < Dim; ++a) {
+    Vec row;
+    for (int b = 0; b < Dim; ++b) row[b] = products(a, b);
+    row = multiply<Dim, Real>(inverse, row);
+    for (int b = 0; b < Dim; ++b) gradient(a, b) = row[b];
+  }
   if constexpr (Dim == 2) {
     return gradient(1, 0) - gradient(0, 1);
   } else {

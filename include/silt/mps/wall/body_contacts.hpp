@@ -64,7 +64,10 @@ class BodyContacts {
                   }
                   contact.x = x;
                   contact.y = y;
-                  contact.velocity_of_wall = is_of_body ? Vec(Vec::Zero()) : velocity_of(group, y);
+                  if (!is_of_body) {
+                    contact.velocity_of_wall = velocity_of(group, y);
+                    contact.velocity_in_middle = velocity_of(group, contact.middle());
+                  }
                   // The faces may come closer by this in the step, and never less than now.
                   contact.approach = std::max(0.0, distance - spacing) / time_step;
                   add_if_new(contact, spacing);
@@ -90,7 +93,8 @@ class BodyContacts {
     Vec x = Vec::Zero();                 // on the body [m]
     Vec y = Vec::Zero();                 // on the other one [m]
     Vec normal = Vec::Zero();            // from there to the body [-]
-    Vec velocity_of_wall = Vec::Zero();  // [m/s]
+    Vec velocity_of_wall = Vec::Zero();  // at y [m/s]
+    Vec velocity_in_middle = Vec::Zero();  // of the wall, too [m/s]
     double approach = 0;                 // the fastest that is allowed [m/s]
     double mass = 0;                     // that an impulse moves [kg]
     double impulse = 0;                  // so far [N s]
@@ -183,22 +187,24 @@ class BodyContacts {
     const Vec at = contact.middle();
     Vec slip =
         body.velocity_at(which, at) -
-        (has_other ? bodies[contact.other].velocity_at(which, at) : contact.velocity_of_wall);
+        (has_other ? bodies[contact.other].velocity_at(which, at) : contact.velocity_in_middle);
     slip -= slip.dot(contact.normal) * contact.normal;
-    const double speed = slip.norm();
-    if (!(speed > 0)) return 0;
-    const Vec along = slip / speed;
-    double mobility = body.mobility(which, at, along);
-    if (has_other) mobility += bodies[contact.other].mobility(which, at, along);
-    if (!(mobility > 0)) return 0;
-    Vec across = contact.across - slip / mobility;
+    Vec across = contact.across;
+    if (const double speed = slip.norm(); speed > 0) {
+      const Vec along = slip / speed;
+      double mobility = body.mobility(which, at, along);
+      if (has_other) mobility += bodies[contact.other].mobility(which, at, along);
+      if (mobility > 0) across -= slip / mobility;
+    }
+    // Also without slip: the impulse along the line may have become smaller.
     const double most = contact.friction * contact.impulse, size = across.norm();
     if (size > most) across *= most / size;
     const Vec change = across - contact.across;
+    if (!(change.norm() > 0) || !(contact.mass > 0)) return 0;
     contact.across = across;
     body.push(which, at, change);
     if (has_other) bodies[contact.other].push(which, at, Vec(-change));
-    return change.norm() * mobility;
+    return change.norm() / contact.mass;
   }
 
   Buffer<Contact> contacts_;
