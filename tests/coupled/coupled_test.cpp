@@ -242,6 +242,25 @@ TYPED_TEST(Coupled, AccelerateALightGrainWithItsAddedMass) {
   EXPECT_NEAR((speed() - before) / (both.time() - begin), 900.0 / 600 * g, 0.02 * 900.0 / 600 * g);
 }
 
+TYPED_TEST(Coupled, LetALightGrainRiseSteadily) {
+  // The only test of stiff drag that grows with the speed: it does not swing about its final one.
+  constexpr int Dim = TypeParam::value;
+  using Law = std::conditional_t<Dim == 2, DragOfDiscs, coupled::SchillerNaumann>;
+  Vec<Dim> x = Vec<Dim>::Constant(0.43 * side);
+  x[Dim - 1] = l0;
+  auto both = Scene<Dim, Law>{.diameter = 0.25 * l0, .density = 50, .grains = {x}}.coupled();
+  both.let_fluid_settle();
+  double slowest = 1e9, fastest = 0;
+  for (int step = 0; step < 16; ++step) {
+    both.step();
+    if (step < 8) continue;
+    const double speed = std::as_const(both.grains()).particles()[velocity][0][Dim - 1];
+    slowest = std::min(slowest, speed);
+    fastest = std::max(fastest, speed);
+  }
+  EXPECT_LT(fastest, 1.15 * slowest);
+}
+
 TYPED_TEST(Coupled, MayLoseParticles) {
   // The only test of particles of both that leave their boxes within a step, and of their energy.
   constexpr int Dim = TypeParam::value;

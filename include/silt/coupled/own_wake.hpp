@@ -36,7 +36,7 @@ struct OwnWake {
   double decay(double speed, double of_others) const {
     return viscosity / (2 * squared(width)) + 0.56 * speed / width + of_others;
   }
-  /// u_s after a time [s] in which the grain had an impulse [N s] by drag.
+  /// u_s after a time [s] in which the grain had an impulse [N s] by drag, added mass and lift.
   template <class V>
   V after(const V& wake, const V& impulse, double speed, double of_others, double time) const {
     const double steps = decay(speed, of_others) * time;
