@@ -121,10 +121,10 @@ NOT_STORED = {
     "EnergyAccount": {"properties_": GIVEN},
     "FlowWatch": all_of(ANEW, "kinetic_ speed_of_step_ speed_of_walls_"),
     # coupled
-    "FluidForces": {"drag_": GIVEN, **all_of("Coupled sets it by begin() before each of its steps", "fluid_ acted_for_ counts_"),
-                    "saved_": ROLLBACK,
+    "FluidForces": {"drag_": GIVEN, **all_of("Coupled sets it by begin() before each of its steps", "fluid_ acted_for_ counts_ work_"),
+                    **all_of(ROLLBACK, "saved_ saved_work_"), "works_": ANEW,
                     "last_time_step_": "set_last_time_step() sets it before it is used"},
-    "Coupled": {"exchange_": ANEW, **all_of(ROLLBACK, "saved_grains_ saved_fractions_ saved_surface_"),
+    "Coupled": {"exchange_": ANEW, **all_of(ROLLBACK, "saved_grains_ saved_"),
                 "thread_choice_": CLOCK},
     # solve
     "ConjugateGradient": {"settings_": GIVEN, "preconditioner_": "prepare() makes it anew in every solve",
@@ -198,9 +198,9 @@ NOT_SAVED = {
                    "last_time_step_": "set_last_time_step() sets it before it is used", "memory_": MEMORY},
     "ListOfStep": {"memory_": MEMORY},
     # coupled
-    "FluidForces": {"drag_": GIVEN, "last_time_step_": "set_last_time_step() sets it before it is used",
+    "FluidForces": {**all_of(GIVEN, "drag_ coefficients_"), "works_": ANEW, "last_time_step_": "set_last_time_step() sets it before it is used",
                     **all_of("begin() sets it, between steps", "fluid_ counts_")},
-    "Coupled": {"exchange_": ANEW, **all_of(SUCCESS, "time_ last_time_step_ steps_"), "thread_choice_": CLOCK,
+    "Coupled": {"exchange_": ANEW, **all_of(SUCCESS, "time_ last_time_step_ steps_ energy_"), "thread_choice_": CLOCK,
                 "run_": "changed by run(), between steps"},
     # mps
     "BasicFlow": {"settings_": GIVEN,

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Kinetic energies of particles, summed in double precision, of all processes that share them.
-// Bitwise identical for any number of threads.
+// Kinetic and potential energies of particles, summed in double precision, of all processes that
+// share them. Bitwise identical for any number of threads.
 #pragma once
 
 #include <silt/core/fields.hpp>
@@ -20,6 +20,17 @@ double kinetic_energy(const P& particles) {
   return detail::sum_of_all(particles, ordered_sum(particles.size(), 0.0, [&](Index i) {
     return double(m[i]) * in_double(v[i]).squaredNorm() / 2;
   }));
+}
+
+/// −Σ m g·x [J] for the acceleration g [m/s²]; zero at the origin.
+template <class P>
+  requires HasFields<P, mass_t>
+double potential_energy(const P& particles, const typename P::Vec& g) {
+  const auto x = particles[position];
+  const auto m = particles[mass];
+  const double own = -ordered_sum(particles.size(), 0.0,
+                                  [&](Index i) { return double(m[i]) * double(g.dot(x[i])); });
+  return detail::sum_of_all(particles, own);
 }
 
 /// Σ ½ I ω² [J].

@@ -8,7 +8,6 @@
 #include <silt/core/fields.hpp>
 #include <silt/core/types.hpp>
 #include <silt/coupled/work_on_grains.hpp>
-#include <silt/measure/energy.hpp>
 #include <silt/mps/record/flow_energy.hpp>
 
 namespace silt::coupled {

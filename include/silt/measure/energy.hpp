@@ -13,18 +13,6 @@
 
 namespace silt {
 
-/// −Σ m g·x [J] for the acceleration g [m/s²]; zero at the origin.
-template <class P>
-  requires HasFields<P, mass_t>
-double potential_energy(const P& particles, const typename P::Vec& g) {
-  const auto x = particles[position];
-  const auto m = particles[mass];
-  const double own = -ordered_sum(particles.size(), 0.0, [&](Index i) {
-    return double(m[i]) * double(g.dot(x[i]));
-  });
-  return detail::sum_of_all(particles, own);
-}
-
 /// Σ m v [kg m/s].
 template <class P>
   requires HasFields<P, velocity_t, mass_t>
