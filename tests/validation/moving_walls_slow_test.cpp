@@ -154,7 +154,9 @@ TEST(PileOfBoxes, IsHitByADamBreak) {
     Settings settings{.spacing = l0, .speed_scale = 3};
     settings.walls.segments = polyline({{0, 0.8}, {0, 0}, {2, 0}, {2, 0.8}});
     settings.walls.moving_2d = mps::MovingWalls<2>{.bodies = boxes};
-    auto sim = simulation_of(water_in({0, 0}, {depth, depth}, l0), settings);
+    mps::Fluid<2> water = water_in({0, 0}, {depth, depth}, l0);
+    water.set_box({.lower = {-0.5, -0.5}, .upper = {2.5, 3}});
+    auto sim = simulation_of(std::move(water), settings);
     const auto& walls = sim.interaction().walls();
     double closest = 1;
     while (sim.time() < 0.7) {
