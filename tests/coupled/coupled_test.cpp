@@ -264,8 +264,10 @@ TYPED_TEST(Coupled, LetALightGrainRiseSteadily) {
 TYPED_TEST(Coupled, MayLoseParticles) {
   // The only test of particles of both that leave their boxes within a step, and of their energy.
   constexpr int Dim = TypeParam::value;
-  const Scene<Dim, DragOfDiscs> scene{.grains = scattered<Dim>(2 * l0, depth),
-                                      .coefficients = {.added_mass = 0.5}};
+  Scene<Dim, DragOfDiscs> scene{.grains = scattered<Dim>(2 * l0, depth),
+                                .coefficients = {.added_mass = 0.5}};
+  scene.grains.push_back(Vec<Dim>::Constant(side / 2));
+  scene.grains.back()[Dim - 1] = depth + 0.45 * l0;  // leaves in the first step
   auto grains = scene.grain_simulation();
   auto fluid = scene.fluid_simulation();
   Box<Dim> box = scene.box();

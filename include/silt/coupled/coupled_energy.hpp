@@ -93,14 +93,10 @@ class GrainEnergyAccount {
       energy_.added += step.before.total() - energy_.total();
     } else {
       energy_.initial = step.before.initial;
-      energy_.added = unexplained;
-      has_begun_ = true;
     }
-    if (step.has_all_grains) {
-      energy_.by_integration += moved;
-    } else {
-      energy_.added += unexplained + moved;
-    }
+    if (!has_begun_ || !step.has_all_grains) energy_.added += unexplained;
+    (step.has_all_grains ? energy_.by_integration : energy_.added) += moved;
+    has_begun_ = true;
     energy_.by_pressure += work.by_pressure;
     energy_.by_exchange += work.by_exchange;
     energy_.by_contacts += work.by_others - by_gravity;
