@@ -271,10 +271,7 @@ void check(const Options& o) {
   if (o.dimension == 2) {
     throw support::OptionError("--dimension 2: Ergun's law is one of spheres; leave it out");
   }
-  if (o.diameter > o.spacing) {
-    throw support::OptionError("--diameter " + to_text(o.diameter) + " is above --spacing " +
-                               to_text(o.spacing));
-  }
+  support::require_small_grains(o);
   if (o.depth < o.grid() + 1.2 * o.bed + 6 * o.spacing) {
     throw support::OptionError("--depth " + to_text(o.depth) + " does not cover the bed; give " +
                                to_text(o.grid() + 1.2 * o.bed + 6 * o.spacing) + " or more");

@@ -267,10 +267,7 @@ void simulate(const Options& o) {
 }
 
 void check(const Options& o) {
-  if (o.diameter > o.spacing) {
-    throw support::OptionError("--diameter " + to_text(o.diameter) + " is above --spacing " +
-                               to_text(o.spacing));
-  }
+  support::require_small_grains(o);
   if (o.slide_thickness < o.diameter || o.slide_length < o.diameter) {
     throw support::OptionError("the slide is smaller than --diameter " + to_text(o.diameter));
   }

@@ -182,13 +182,8 @@ void simulate(const Options& o) {
 }
 
 void check(const Options& o) {
-  if (o.dimension == 2) {
-    throw support::OptionError("--dimension 2: the drag is one of spheres; leave it out");
-  }
-  if (o.diameter > o.spacing) {
-    throw support::OptionError("--diameter " + to_text(o.diameter) + " is above --spacing " +
-                               to_text(o.spacing));
-  }
+  support::require_spheres(o);
+  support::require_small_grains(o);
   if (o.density == rho) {
     throw support::OptionError("--density " + to_text(o.density) +
                                ": spheres of the density of water do not settle");

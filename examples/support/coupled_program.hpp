@@ -49,6 +49,20 @@ inline void describe_coupled(CLI::App& app, CoupledOptions& o, const std::string
   describe_numerics(app, o, files);
 }
 
+/// Throws if grains are larger than the spacing: the flow would have to resolve them.
+inline void require_small_grains(const CoupledOptions& o) {
+  if (o.diameter > o.spacing) {
+    throw OptionError("--diameter " + silt::to_text(o.diameter) + " is above --spacing " +
+                      silt::to_text(o.spacing));
+  }
+}
+/// Throws in 2D.
+inline void require_spheres(const CoupledOptions& o) {
+  if (o.dimension == 2) {
+    throw OptionError("--dimension 2: the drag is one of spheres; leave it out");
+  }
+}
+
 /// The law of contacts.
 template <int Dim>
 silt::dem::CundallStrack law_of(const CoupledOptions& o) {
