@@ -47,8 +47,9 @@ template <int Dim, class Real, class View, class Walls, class F, class G>
       const float* const weights = row.weight + from;
       for (Index k = 0; k < size; ++k) {
         const Real weight = stencil.weight(distances[k]);
-        // The share is else 0/0, and the slope is zero as well.
-        slopes[k] = weight > Real(1e-6) ? Real(weights[k]) / weight * slopes[k] : 0;
+        // At the effective radius, where the share would be 0/0, the slope is zero as well. Not
+        // closer: cut off while it is not, it would make the source jump as particles pass.
+        slopes[k] = weight > 0 ? Real(weights[k]) / weight * slopes[k] : 0;
       }
     }
     std::fill(slopes.data() + size, slopes.data() + next, Real(0));
