@@ -11,6 +11,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 namespace silt::test::mirrors_test {
@@ -104,30 +107,87 @@ TEST(Mirrors, ContinueTheLatticeBeyondABlockInATank) {
   expect_full_lattice<3>(walls, points, 9);
 }
 
+// What x sees of each of these neighbours, and of their images: by the number of the neighbour.
+std::vector<double> seen_from(const MirrorsAround<2>& around,
+                              const std::vector<Vec<2>>& neighbours) {
+  std::vector<double> sums;
+  for (const Vec<2>& point : neighbours) sums.push_back(around.visible_share(point));
+  around.for_each_mirror(neighbours,
+                         [&](const Mirror<2>& mirror, const auto& share_of, const auto&) {
+                           for (Index k = 0; k < neighbours.size(); ++k) {
+                             const double r = (mirror(neighbours[k]) - around.x()).norm();
+                             if (r < reach) sums[k] += share_of(neighbours[k]) * r;
+                           }
+                         });
+  return sums;
+}
+
 // Any arrangement, walls at any angle: what x sees is what is seen from each point, and images are
-// as far as their points are from the image of x.
-TEST(Mirrors, AreTheSameInBothDirections) {
-  const std::vector<Vec<2>> corners{{0, 0}, {9, 1}, {7, 4}, {10, 8}, {4, 6}, {1, 9}, {0, 0}};
-  const Faces<2> faces("polygon", polyline(corners));
-  const auto points = random_points(300, Box<2>{.lower = {-1, -1}, .upper = {10, 9}}, 3);
-  std::vector<MirrorsAround<2>> around(points.size());
-  for (Index i = 0; i < points.size(); ++i) around[i].find(faces, points[i], reach);
-  const auto sum_of = [&](Index i, Index j) {
-    double sum = 0;
-    around[i].for_each_mirror(points,
-                              [&](const Mirror<2>& mirror, const auto& share_of, const auto&) {
-                                const double r = (mirror(points[j]) - points[i]).norm();
-                                if (r < reach) sum += share_of(points[j]) * r;
-                              });
-    return sum;
-  };
+// as far as their points are from the image of x. Otherwise the pressure equation is not symmetric.
+void expect_the_same_in_both_directions(const std::vector<Face<2>>& walls,
+                                        const std::vector<Vec<2>>& points) {
+  const Faces<2> faces("walls", walls);
+  std::map<std::pair<Index, Index>, double> seen;
   for (Index i = 0; i < points.size(); ++i) {
-    for (Index j = 0; j < i; ++j) {
+    MirrorsAround<2> around;
+    around.find(faces, points[i], reach);
+    std::vector<Vec<2>> neighbours;
+    std::vector<Index> numbers;
+    for (Index j = 0; j < points.size(); ++j) {
       if (!((points[i] - points[j]).norm() < reach)) continue;
-      EXPECT_EQ(around[i].visible_share(points[j]), around[j].visible_share(points[i]));
-      EXPECT_NEAR(sum_of(i, j), sum_of(j, i), 1e-12);
+      neighbours.push_back(points[j]);
+      numbers.push_back(j);
     }
+    const auto sums = seen_from(around, neighbours);
+    for (Index k = 0; k < numbers.size(); ++k) seen[{i, numbers[k]}] = sums[k];
   }
+  for (const auto& [pair, sum] : seen) {
+    EXPECT_NEAR(sum, seen.at({pair.second, pair.first}), 1e-12)
+        << points[pair.first].transpose() << " and " << points[pair.second].transpose();
+  }
+}
+
+TEST(Mirrors, AreTheSameInBothDirections) {
+  expect_the_same_in_both_directions(
+      polyline({{0, 0}, {9, 1}, {7, 4}, {10, 8}, {4, 6}, {1, 9}, {0, 0}}),
+      random_points(300, Box<2>{.lower = {-1, -1}, .upper = {10, 9}}, 3));
+}
+
+// Regular, with its centre at x.
+std::vector<Face<2>> regular_polygon(const Vec<2>& x, double radius, int sides, double turn) {
+  std::vector<Vec<2>> corners;
+  for (int k = 0; k <= sides; ++k) {
+    const double angle = turn + 2 * std::numbers::pi * (k % sides) / sides;
+    corners.push_back(x + radius * Vec<2>(std::cos(angle), std::sin(angle)));
+  }
+  return polyline(corners);
+}
+
+// Lines that are almost parallel to faces, and meet many of them: no other test has these.
+TEST(Mirrors, AreTheSameInBothDirectionsBetweenRoundBodies) {
+  constexpr double radius = 4;
+  for (const double gap : {0.7, 1.0, 1.5}) {
+    const Vec<2> other = (2 * radius + gap) * Vec<2>(0.8, 0.6);
+    auto walls = regular_polygon({0, 0}, radius, 25, 0.1);
+    for (const auto& face : regular_polygon(other, radius, 28, 0.3)) walls.push_back(face);
+    std::vector<Vec<2>> points;
+    const Box<2> around{.lower = other / 2 - Vec<2>(3, 3), .upper = other / 2 + Vec<2>(3, 3)};
+    for (const auto& x : random_points(500, around, 4)) {
+      const double clear = radius + 0.05;
+      if (x.norm() > clear && (x - other).norm() > clear) points.push_back(x);
+    }
+    expect_the_same_in_both_directions(walls, points);
+  }
+}
+
+TEST(Mirrors, AreTheSameInBothDirectionsAboveAWavyFloor) {
+  std::vector<Vec<2>> floor;
+  for (int k = 0; k <= 30; ++k) floor.emplace_back(0.7 * k, 0.8 * std::sin(0.6 * k));
+  std::vector<Vec<2>> points;
+  for (const auto& x : random_points(600, Box<2>{.lower = {3, -0.5}, .upper = {17, 3}}, 5)) {
+    if (x[1] > 0.8 * std::sin(0.6 / 0.7 * x[0]) + 0.1) points.push_back(x);
+  }
+  expect_the_same_in_both_directions(polyline(floor), points);
 }
 
 TEST(Mirrors, MapPointsToTheirImages) {

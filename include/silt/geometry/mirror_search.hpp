@@ -70,7 +70,7 @@ class MirrorSearch {
   }
 
  private:
-  static constexpr std::size_t max_mirrors = 256;
+  static constexpr std::size_t max_mirrors = Dim == 2 ? 1024 : 256;
 
   struct Seen {
     Mirror<Dim> mirror;
@@ -87,6 +87,7 @@ class MirrorSearch {
   // new one.
   bool follow(std::size_t k, const NearFacet& facet) {
     const Seen& from = seen_[k];
+    if (from.last == &facet) return false;  // no line meets a plane twice
     const double height = facet.height(from.viewpoint);
     if (!(std::abs(height) < around_->furthest())) return false;
     const double most = furthest_that_shows(facet, height);
@@ -140,8 +141,9 @@ class MirrorSearch {
     if (least_heights_.empty()) return around_->furthest();
     const auto number = static_cast<std::size_t>(&facet - around_->facets().data());
     const double least = least_heights_[number][height > 0 ? 0 : 1];
-    const double above = std::abs(height) + around_->margin();
-    return around_->furthest() * above / (above + least);
+    const double shift = around_->margin();
+    const double share = (std::abs(height) + shift) / (std::abs(height) + least);
+    return around_->reach() * std::min(1.0, share) + shift;
   }
   // From the viewpoint in a mirror to the nearest of the faces of a facet that lines may meet after it
   // [m]; infinite if there is none closer than `most`. All ways to that mirror are known: as straight

@@ -162,6 +162,9 @@ class SharesOfLines {
         const double before = facet.height(line.begin), behind = facet.height(line.end);
         if ((before > 0) == (behind > 0)) continue;
         const double at = (before + facet.normal.dot(shift)) / (before - behind);
+        // A shifted line that is almost parallel to a facet meets its plane far beyond its ends,
+        // where MirrorSearch does not follow it.
+        if (!(at > 0 && at < 1)) continue;
         if (!(at > along - close) || !(at < nearest + close)) continue;
         const Passage passage = passage_of_facet(facet, line.begin + shift, line.end + shift, at,
                                                  margin, known, line.edge);
