@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 namespace silt::test::shares_of_lines_test {
@@ -149,6 +150,46 @@ TEST(SharesOfLines, AreTheSameInBothDirections) {
         EXPECT_EQ(found, share(cube_of_faces, point, x, there.inverse()));
         split += found > 0 && found < 1;
       }
+    }
+  }
+  EXPECT_GT(split, 20);
+}
+
+// Of triangles that are sharp, and close to the one point only: no other test has these.
+TEST(SharesOfLines, AreTheSameInBothDirectionsBesideABall) {
+  std::vector<Face<3>> ball;
+  constexpr int rings = 12, sides = 24;
+  const auto corner = [](int ring, int k) {
+    const double polar = std::numbers::pi * ring / rings;
+    const double azimuth = std::numbers::pi * (2 * k + ring % 2) / sides;
+    return Vec<3>(4 * std::sin(polar) * std::cos(azimuth), 4 * std::sin(polar) * std::sin(azimuth),
+                  4 * std::cos(polar));
+  };
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int k = 0; k < sides; ++k) {
+      const Vec<3> a = corner(ring, k), b = corner(ring, k + 1);
+      const Vec<3> c = corner(ring + 1, k), d = corner(ring + 1, k + 1);
+      if (ring > 0) ball.push_back({{a, c, b}});
+      if (ring < rings - 1) ball.push_back({{b, c, d}});
+    }
+  }
+  const Faces<3> faces("ball", ball);
+  int split = 0;
+  const Box<3> around_a_pole{.lower = {-2.5, -2.5, 3.4}, .upper = {2.5, 2.5, 5.5}};
+  const auto points = random_points(1200, around_a_pole, 3);
+  for (Index k = 0; k + 1 < points.size(); k += 2) {
+    const Vec<3>&x = points[k], &point = points[k + 1];
+    if (x.norm() < 4.1 || point.norm() < 4.1) continue;
+    NearbyFaces<3> around_x, around_point;
+    around_x.find(faces, x, reach);
+    around_point.find(faces, point, reach);
+    if (around_x.is_plane() || around_point.is_plane()) continue;
+    for (std::uint32_t face = 0; face < ball.size(); ++face) {
+      const Mirror<3> mirror = mirror_of(faces, face);
+      if (!((mirror(point) - x).norm() < reach)) continue;
+      const double found = SharesOfLines<3>(around_x).of(point, mirror);
+      EXPECT_NEAR(found, SharesOfLines<3>(around_point).of(x, mirror), 1e-9);
+      split += found > 0 && found < 1;
     }
   }
   EXPECT_GT(split, 20);

@@ -163,8 +163,8 @@ class SharesOfLines {
         if ((before > 0) == (behind > 0)) continue;
         const double at = (before + facet.normal.dot(shift)) / (before - behind);
         // A shifted line that is almost parallel to a facet meets its plane far beyond its ends,
-        // where MirrorSearch does not follow it.
-        if (!(at > 0 && at < 1)) continue;
+        // where other faces of the facet may be that MirrorSearch does not follow.
+        if (!(at > 0 && at < 1) && !goes_through(facet, line)) continue;
         if (!(at > along - close) || !(at < nearest + close)) continue;
         const Passage passage = passage_of_facet(facet, line.begin + shift, line.end + shift, at,
                                                  margin, known, line.edge);
@@ -190,6 +190,24 @@ class SharesOfLines {
       last = first;
     }
     return line;
+  }
+  // Whether a line passes an edge, not only the line on which it is, closer than a margin [m].
+  static bool is_closer(const Edge& edge, const Vec& from, const Vec& line, double margin) {
+    if constexpr (Dim == 2) {
+      return true;
+    } else {
+      const auto& corners = edge.element->face.corners;
+      const Vec nearest = from + edge.along_line * line - edge.inside * edge.across;
+      const Vec of_edge =
+          nearest_of_segment<3>(corners[edge.number], corners[(edge.number + 1) % 3], nearest);
+      return cross(Vec(of_edge - from), line).norm() < margin * line.norm();
+    }
+  }
+  // Whether the line that is not shifted passes through a face of a facet near x.
+  bool goes_through(const NearFacet& facet, const Line& line) const {
+    return std::ranges::any_of(around_.faces_of(facet), [&](std::uint32_t number) {
+      return passage_of(around_[number].face, line.begin, line.end, 0) == Passage::through;
+    });
   }
   // How a line passes the faces of a facet near x, whose plane it meets at this share of its
   // length; at_rim: closer to an edge on the rim, which is not the known one, than a margin [m].
@@ -225,9 +243,9 @@ class SharesOfLines {
         // A line that is almost parallel to the facet may come close to the edge beyond its ends.
         const double along_line = at - inside[k] * ascent / across.squaredNorm();
         if (!(along_line > 0 && along_line < 1)) continue;
-        is_at_rim = true;
         edge = {&element, k, inside[k] / in_plane, along_line,
                 (descent > 0 ? 1 : -1) / across.norm() * across};
+        is_at_rim = is_at_rim || is_closer(edge, from, line, margin);
       }
       if (is_near && is_at_rim) {
         close = edge;
