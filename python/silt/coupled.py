@@ -87,6 +87,13 @@ class Coupled(Advancing):
         """The fluid."""
         return self._fluid
 
+    def energies(self) -> dict[str, float]:
+        """Energies after the last step, and what was lost since the first one, by name [J], in 2D per metre of
+        thickness: "kinetic_of_grains" (of translation), "potential_of_grains", "kinetic_of_fluid" and
+        "potential_of_fluid" (zero at the origin); "lost_by_exchange", by drag, and stored by the added mass;
+        "imbalance", by which both are not closed, which is round-off."""
+        return self._core.energies()
+
     def let_fluid_settle(self, tolerance: float = 1e-4, max_steps: int = 1000) -> float:
         """Before the first step: moves the fluid to where it rests between the grains, which are held.
 

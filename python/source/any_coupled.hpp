@@ -15,6 +15,8 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace silt::python {
 
@@ -63,6 +65,8 @@ class AnyCoupled : public AnyAdvancing {
  public:
   static constexpr std::string_view class_name = "Coupled";  ///< in Python
 
+  /// Those of coupled::CoupledEnergy that have a name in Python [J].
+  virtual std::vector<std::pair<std::string, double>> energies() const = 0;
   /// See coupled::Coupled::let_fluid_settle().
   virtual double let_fluid_settle(double tolerance, int max_steps) = 0;
 };

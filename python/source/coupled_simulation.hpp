@@ -155,6 +155,15 @@ class CoupledSimulation final : public AnyCoupled {
     CallsHooks observer{hooks, [this] { before_step(); }};
     return both_->run(run, observer);
   }
+  std::vector<std::pair<std::string, double>> energies() const override {
+    const coupled::CoupledEnergy energy = both_->energy();
+    return {{"kinetic_of_grains", energy.grains.kinetic},
+            {"potential_of_grains", energy.grains.potential},
+            {"kinetic_of_fluid", energy.fluid.kinetic},
+            {"potential_of_fluid", energy.fluid.potential},
+            {"lost_by_exchange", energy.lost_by_exchange()},
+            {"imbalance", energy.imbalance()}};
+  }
   double let_fluid_settle(double tolerance, int max_steps) override {
     return both_->let_fluid_settle({.tolerance = tolerance, .max_steps = max_steps});
   }

@@ -79,6 +79,12 @@ void translate(std::exception_ptr thrown) {
   }
 }
 
+py::dict named_values(const std::vector<std::pair<std::string, double>>& values) {
+  py::dict all;
+  for (const auto& [name, value] : values) all[py::str(name)] = value;
+  return all;
+}
+
 // What simulations, and two in one, have in common.
 template <class Any>
 auto bind_core(py::module_& module, const char* name) {
@@ -185,14 +191,7 @@ PYBIND11_MODULE(_silt, module) {
       .def("snapshot", [](Core& core) { return dict_of(core.use("snapshot").snapshot()); })
       .def("remove",
            [](Core& core, const std::vector<Id>& ids) { core.change("remove").remove(ids); })
-      .def("energies",
-           [](Core& core) {
-             py::dict all;
-             for (const auto& [name, value] : core.use("energies").energies()) {
-               all[py::str(name)] = value;
-             }
-             return all;
-           })
+      .def("energies", [](Core& core) { return named_values(core.use("energies").energies()); })
       .def("set_wall_present",
            [](Core& core, Index wall, bool present) {
              core.use("set_wall_present").set_wall_present(wall, present);
@@ -234,6 +233,8 @@ PYBIND11_MODULE(_silt, module) {
            });
 
   bind_core<AnyCoupled>(module, "CoupledCore")
+      .def("energies",
+           [](CoupledCore& core) { return named_values(core.use("energies").energies()); })
       .def("let_fluid_settle", [](CoupledCore& core, double tolerance, int max_steps) {
         return core.advance("let_fluid_settle", [&](AnyCoupled& both) {
           const Unlocked unlocked;

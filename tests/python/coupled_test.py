@@ -187,6 +187,20 @@ class Forces(unittest.TestCase):
         # (u − v) × ω, with u − v along −x and ω along y.
         self.assertLess(across[1], 0)
 
+    def test_lose_by_drag_what_the_energies_lack(self):
+        # The only test of the energies of both in Python.
+        both = sand()
+        both.let_fluid_settle()
+        both.step()
+        before = both.energies()
+        both.run(until=0.02)
+        after = both.energies()
+        kept = ("kinetic_of_grains", "potential_of_grains", "kinetic_of_fluid", "potential_of_fluid")
+        self.assertEqual(set(after), {*kept, "lost_by_exchange", "imbalance"})
+        self.assertGreater(after["lost_by_exchange"], before["lost_by_exchange"])
+        self.assertGreater(sum(before[name] for name in kept), sum(after[name] for name in kept))
+        self.assertLess(abs(after["imbalance"]), 1e-10 * abs(after["potential_of_fluid"]))
+
     def test_of_contacts_are_those_without_water(self):
         # The only test that each contact law has its bits in a Coupled: of grains beside the water.
         linear = silt.LinearSpringDashpot(normal_stiffness=2e3, tangential_stiffness=1e3, restitution=0.7,
