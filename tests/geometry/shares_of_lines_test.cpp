@@ -2,13 +2,13 @@
 #include <silt/geometry/shapes.hpp>
 #include <silt/geometry/shares_of_lines.hpp>
 
+#include "support/ball.hpp"
 #include "support/points.hpp"
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <vector>
 
 namespace silt::test::shares_of_lines_test {
@@ -157,23 +157,8 @@ TEST(SharesOfLines, AreTheSameInBothDirections) {
 
 // Of triangles that are sharp, and close to the one point only: no other test has these.
 TEST(SharesOfLines, AreTheSameInBothDirectionsBesideABall) {
-  std::vector<Face<3>> ball;
-  constexpr int rings = 12, sides = 24;
-  const auto corner = [](int ring, int k) {
-    const double polar = std::numbers::pi * ring / rings;
-    const double azimuth = std::numbers::pi * (2 * k + ring % 2) / sides;
-    return Vec<3>(4 * std::sin(polar) * std::cos(azimuth), 4 * std::sin(polar) * std::sin(azimuth),
-                  4 * std::cos(polar));
-  };
-  for (int ring = 0; ring < rings; ++ring) {
-    for (int k = 0; k < sides; ++k) {
-      const Vec<3> a = corner(ring, k), b = corner(ring, k + 1);
-      const Vec<3> c = corner(ring + 1, k), d = corner(ring + 1, k + 1);
-      if (ring > 0) ball.push_back({{a, c, b}});
-      if (ring < rings - 1) ball.push_back({{b, c, d}});
-    }
-  }
-  const Faces<3> faces("ball", ball);
+  const auto walls = ball(4, 12, 24);
+  const Faces<3> faces("ball", walls);
   int split = 0;
   const Box<3> around_a_pole{.lower = {-2.5, -2.5, 3.4}, .upper = {2.5, 2.5, 5.5}};
   const auto points = random_points(1200, around_a_pole, 3);
@@ -184,7 +169,7 @@ TEST(SharesOfLines, AreTheSameInBothDirectionsBesideABall) {
     around_x.find(faces, x, reach);
     around_point.find(faces, point, reach);
     if (around_x.is_plane() || around_point.is_plane()) continue;
-    for (std::uint32_t face = 0; face < ball.size(); ++face) {
+    for (std::uint32_t face = 0; face < walls.size(); ++face) {
       const Mirror<3> mirror = mirror_of(faces, face);
       if (!((mirror(point) - x).norm() < reach)) continue;
       const double found = SharesOfLines<3>(around_x).of(point, mirror);

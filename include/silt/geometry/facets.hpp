@@ -36,6 +36,9 @@ struct FaceOfSurface {
   /// Their products with the points of the edges [m].
   std::array<double, std::size_t(Dim)> inner_offset;
   std::uint32_t group;  ///< of faces that move together; 0: at rest
+  /// The number of its closed surface, from 1 on, whose normals are all outwards or all inwards; 0:
+  /// of none.
+  std::uint32_t closed_surface = 0;
 
   /// Signed distance of x, a point of the plane, from the line of an edge, positive on the side
   /// of the face [m].
@@ -89,6 +92,7 @@ class Facets {
   static void join(Buffer<Element>& elements) {
     Facets facets(elements);
     facets.join_facets();
+    facets.find_closed_surfaces();
     facets.find_edges();
     facets.find_convex_facets();
   }
@@ -118,9 +122,8 @@ class Facets {
 
   // A facet is the faces connected with its first one in the plane of that one.
   void join_facets() {
-    std::map<Edge, Buffer<SideOfFace>> edges;
     for (std::uint32_t e = 0; e < elements_.size(); ++e) {
-      for (std::size_t k = 0; k < std::size_t(Dim); ++k) edges[edge_of({e, k})].push_back({e, k});
+      for (std::size_t k = 0; k < std::size_t(Dim); ++k) edges_[edge_of({e, k})].push_back({e, k});
     }
     Buffer<bool> has_facet(elements_.size(), false);
     Buffer<std::uint32_t> waiting;
@@ -132,7 +135,7 @@ class Facets {
         const std::uint32_t e = waiting.back();
         waiting.pop_back();
         for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
-          for (const SideOfFace& other : edges[edge_of({e, k})]) {
+          for (const SideOfFace& other : edges_[edge_of({e, k})]) {
             if (has_facet[other.element] || !continues({e, k}, other, elements_[first])) continue;
             has_facet[other.element] = true;
             take_plane(elements_[other.element], elements_[first]);
@@ -141,7 +144,7 @@ class Facets {
         }
       }
     }
-    for (const auto& [edge, sides] : edges) {
+    for (const auto& [edge, sides] : edges_) {
       for (const SideOfFace& one : sides) {
         for (const SideOfFace& other : sides) {
           if (elements_[one.element].facet == elements_[other.element].facet &&
@@ -180,6 +183,46 @@ class Facets {
     element.normal = sign * plane.normal;
     element.offset = sign * plane.offset;
     element.facet = plane.facet;
+  }
+
+  // Faces that are connected by edges, if none ends there, or has more than one neighbour, or one
+  // of another group or with the other normal.
+  void find_closed_surfaces() {
+    Buffer<bool> is_known(elements_.size(), false);
+    Buffer<std::uint32_t> surface;
+    std::uint32_t number = 0;
+    for (std::uint32_t first = 0; first < elements_.size(); ++first) {
+      if (is_known[first]) continue;
+      is_known[first] = true;
+      surface.assign(1, first);
+      bool is_closed = true;
+      for (std::size_t n = 0; n < surface.size(); ++n) {
+        const std::uint32_t e = surface[n];
+        for (std::size_t k = 0; k < std::size_t(Dim); ++k) {
+          const auto& sides = edges_.find(edge_of({e, k}))->second;
+          is_closed = is_closed && sides.size() == 2 && go_on(sides[0], sides[1]);
+          for (const SideOfFace& side : sides) {
+            if (is_known[side.element]) continue;
+            is_known[side.element] = true;
+            surface.push_back(side.element);
+          }
+        }
+      }
+      if (!is_closed) continue;
+      ++number;
+      for (const std::uint32_t e : surface) elements_[e].closed_surface = number;
+    }
+  }
+  // Whether two faces of a group have the same side of their surface in the direction of their
+  // normals: their corners are in the same sense.
+  bool go_on(const SideOfFace& one, const SideOfFace& other) const {
+    if (elements_[one.element].group != elements_[other.element].group) return false;
+    if constexpr (Dim == 2) {
+      return one.k != other.k;
+    } else {
+      return elements_[one.element].face.corners[one.k] !=
+             elements_[other.element].face.corners[other.k];
+    }
   }
 
   void find_edges() {
@@ -225,6 +268,7 @@ class Facets {
   }
 
   Buffer<Element>& elements_;
+  std::map<Edge, Buffer<SideOfFace>> edges_;
 };
 
 }  // namespace detail

@@ -89,7 +89,7 @@ class MirrorSearch {
     const Seen& from = seen_[k];
     if (from.last == &facet) return false;  // no line meets a plane twice
     const double height = facet.height(from.viewpoint);
-    if (!(std::abs(height) < around_->furthest())) return false;
+    if (!(std::abs(height) < around_->furthest()) || facet.side * height < 0) return false;
     const double most = furthest_that_shows(facet, height);
     // From one face to the next one of a curved surface go only lines that are almost parallel to it,
     // and lead to no point.

@@ -31,6 +31,9 @@ class NearbyFaces {
     Vec normal;
     double offset;
     std::uint32_t first, end;  ///< of its faces in faces()
+    /// 1 or −1: x is outside, or inside, of the closed surface of the faces, and the sides of those
+    /// that may be seen have this sign of the height; 0: both.
+    int side = 0;
 
     /// Signed distance from the plane [m].
     double height(const Vec& x) const { return normal.dot(x) - offset; }
@@ -271,6 +274,39 @@ class NearbyFaces {
       const Element& element = surface[near_[first]];
       facets_.push_back({element.normal, element.offset, first, end});
     }
+    find_sides();
+  }
+  // On which side of closed surfaces x is.
+  void find_sides() {
+    const Faces<Dim>& surface = *surface_;
+    std::uint32_t last = 0;  // surface, whose side is known
+    int side_of_last = 0;
+    for (NearFacet& facet : facets_) {
+      for (std::uint32_t n = facet.first; n < facet.end; ++n) {
+        const Element& element = surface[near_[n]];
+        if (element.closed_surface != last) {
+          last = element.closed_surface;
+          side_of_last = last > 0 ? side_of(last) : 0;
+        }
+        const int side = facet.normal.dot(element.normal) > 0 ? side_of_last : -side_of_last;
+        facet.side = n == facet.first || facet.side == side ? side : 0;
+        if (facet.side == 0) break;
+      }
+    }
+  }
+  // Of the normals of a closed surface: that of its faces that are nearest to x, if they agree.
+  int side_of(std::uint32_t closed_surface) const {
+    double least = std::numeric_limits<double>::infinity();
+    bool is_above = false, is_below = false;
+    for (const std::uint32_t k : near_) {
+      const Element& element = (*surface_)[k];
+      if (element.closed_surface != closed_surface) continue;
+      const double distance = distance_from(element);
+      if (distance < least - round_off()) is_above = is_below = false;
+      if (distance < least + round_off()) (element.height(x_) > 0 ? is_above : is_below) = true;
+      least = std::min(least, distance);
+    }
+    return is_above == is_below ? 0 : is_above ? 1 : -1;
   }
 
   static double width_for(double reach) { return 0.05 * reach; }
