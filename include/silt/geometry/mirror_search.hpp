@@ -70,7 +70,7 @@ class MirrorSearch {
   }
 
  private:
-  static constexpr std::size_t max_mirrors = Dim == 2 ? 1024 : 256;
+  static constexpr std::size_t max_mirrors = 1024;
 
   struct Seen {
     Mirror<Dim> mirror;

@@ -56,14 +56,14 @@ class SharesOfLines {
     const auto leads_there = [&](const Line& line, const Vec& shift) {
       return is_same(line, {back(from), to, multiply<Dim, double>(back.rotation, shift)});
     };
-    const Line line = line_between({from, image, shift_of(0)}, 0, around_.margin());
+    const Line line = line_between({from, image, shift_of(0)}, to, 0, around_.margin());
     if (!line.is_close_to_rim) return {double(leads_there(line, shift_of(0)))};
     if (line.edge) {
       // Of the lines beside one edge, all on the same side of it lead to the same.
       const Edge& edge = *line.edge;
       const Vec shift = around_.margin() * edge.across;
-      const Line inner = line_between({from, image, shift}, 1, around_.width(), &edge);
-      const Line outer = line_between({from, image, Vec(-shift)}, 1, around_.width(), &edge);
+      const Line inner = line_between({from, image, shift}, to, 1, around_.width(), &edge);
+      const Line outer = line_between({from, image, Vec(-shift)}, to, 1, around_.width(), &edge);
       if (!inner.is_close_to_rim && !outer.is_close_to_rim) {
         const Step step = step_at(edge.inside / around_.margin());
         const double inner_value = leads_there(inner, shift);
@@ -79,7 +79,7 @@ class SharesOfLines {
     int seen = 0;
     for (int k = 0; k < 8; ++k) {
       const Vec shift = shift_of(k);
-      seen += leads_there(line_between({from, image, shift}, 1, 0), shift);
+      seen += leads_there(line_between({from, image, shift}, to, 1, 0), shift);
     }
     return {seen / 8.0};
   }
@@ -144,9 +144,11 @@ class SharesOfLines {
            (one.begin - other.begin).norm() < around_.round_off() &&
            (one.shift - other.shift).norm() < around_.round_off();
   }
-  // The line as it is after its reflections, shifted by `share` of its shift. It ends where it is
-  // closer to the rim of a facet than this margin [m], but for the line of an edge that is known.
-  Line line_between(Line line, double share, double margin, const Edge* known = nullptr) const {
+  // The line to a point as it is after its reflections, shifted by `share` of its shift. It ends
+  // where it is closer to the rim of a facet than this margin [m], but for the line of an edge that
+  // is known.
+  Line line_between(Line line, const Vec& to, double share, double margin,
+                    const Edge* known = nullptr) const {
     constexpr int max_reflections = 64;
     std::array<const Vec*, std::size_t(max_reflections)> normals;
     double along = -1;  // of its length
@@ -161,11 +163,13 @@ class SharesOfLines {
         if (&facet == last) continue;
         const double before = facet.height(line.begin), behind = facet.height(line.end);
         if ((before > 0) == (behind > 0)) continue;
-        const double at = (before + facet.normal.dot(shift)) / (before - behind);
-        // A shifted line that is almost parallel to a facet meets its plane far beyond its ends,
-        // where other faces of the facet may be that MirrorSearch does not follow.
-        if (!(at > 0 && at < 1) && !goes_through(facet, line)) continue;
+        // A shifted line that is almost parallel to a facet would meet its plane beyond its ends.
+        const double at =
+            std::clamp((before + facet.normal.dot(shift)) / (before - behind), 0.0, 1.0);
         if (!(at > along - close) || !(at < nearest + close)) continue;
+        // A face so far away is not known to be near the point.
+        const Vec crossing = line.begin + shift + at * (line.end - line.begin);
+        if ((crossing - to).norm() > around_.furthest()) continue;
         const Passage passage = passage_of_facet(facet, line.begin + shift, line.end + shift, at,
                                                  margin, known, line.edge);
         if (passage == Passage::beside) continue;
@@ -203,12 +207,6 @@ class SharesOfLines {
       return cross(Vec(of_edge - from), line).norm() < margin * line.norm();
     }
   }
-  // Whether the line that is not shifted passes through a face of a facet near x.
-  bool goes_through(const NearFacet& facet, const Line& line) const {
-    return std::ranges::any_of(around_.faces_of(facet), [&](std::uint32_t number) {
-      return passage_of(around_[number].face, line.begin, line.end, 0) == Passage::through;
-    });
-  }
   // How a line passes the faces of a facet near x, whose plane it meets at this share of its
   // length; at_rim: closer to an edge on the rim, which is not the known one, than a margin [m].
   Passage passage_of_facet(const NearFacet& facet, const Vec& from, const Vec& to, double at,
@@ -243,9 +241,11 @@ class SharesOfLines {
         // A line that is almost parallel to the facet may come close to the edge beyond its ends.
         const double along_line = at - inside[k] * ascent / across.squaredNorm();
         if (!(along_line > 0 && along_line < 1)) continue;
-        edge = {&element, k, inside[k] / in_plane, along_line,
-                (descent > 0 ? 1 : -1) / across.norm() * across};
-        is_at_rim = is_at_rim || is_closer(edge, from, line, margin);
+        const Edge found{&element, k, inside[k] / in_plane, along_line,
+                         (descent > 0 ? 1 : -1) / across.norm() * across};
+        if (!is_closer(found, from, line, margin)) continue;
+        is_at_rim = true;
+        edge = found;
       }
       if (is_near && is_at_rim) {
         close = edge;

@@ -44,7 +44,7 @@ namespace silt::mps {
 ///
 /// All particles must be fluid. In a periodic box, a wall has to extend beyond the sides by the
 /// effective radius. The kernel needs a slope: see SmoothKernel. Between acute faces, a particle
-/// sees at most 256 images of another one, in 2D 1024.
+/// sees at most 1024 images of another one.
 struct ImageWalls {
   static constexpr bool all_have_pressure = true;  ///< see AllHavePressure
 
