@@ -63,7 +63,7 @@ TEST(TwoDiscs, DraftKissAndTumble) {
     return bodies[0].state().position - bodies[1].state().position;
   };
   double alike = 0, kissed = 0, closest = 1;
-  while (sim.time() < 2.6 && !(kissed > 0 && apart().norm() > 2 * d)) {
+  while (sim.time() < 3.5 && !(kissed > 0 && apart().norm() > 2 * d)) {
     sim.step();
     const double gap = apart().norm() - d;
     closest = std::min(closest, gap);
