@@ -433,6 +433,8 @@ TEST(CoupledChecks, RefuseWhatDoesNotFit) {
   // Far more of them than fit.
   EXPECT_TRUE(refuses_scene({.diameter = l0, .grains = scattered<3>(0.5 * l0, depth)},
                             {"fluid fraction of", "closest packing, 0.2595"}));
+  EXPECT_TRUE(refuses([] { coupled::FluidForces(coupled::StokesDrag{}, {.added_mass = 1e300}); },
+                      {"added_mass = 1e+300", "0 to 100"}));
   auto grains = Scene<3>{.grains = {middle}}.grain_simulation();
   grains.run({.until = 1e-3});
   EXPECT_TRUE(refuses([&] { coupled::Coupled(grains, Scene<3>{}.fluid_simulation()); },

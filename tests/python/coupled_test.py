@@ -98,6 +98,7 @@ class Joining(unittest.TestCase):
             "drag = -1": (discs(), pool(), {"drag": -1}),
             "drag = nan": (discs(), pool(), {"drag": math.nan}),
             "Coupled: added_mass = -1": (discs(), pool(), {"added_mass": -1}),
+            "Coupled: lift = 1e.300 is outside 0 to 100": (discs(), pool(), {"lift": 1e300}),
             "Coupled: lift = nan": (discs(), pool(), {"lift": math.nan}),
             "lift = 'none' is not a number": (discs(), pool(), {"lift": "none"}),
             "make_room = 1": (discs(), pool(), {"make_room": 1}),

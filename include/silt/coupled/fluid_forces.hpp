@@ -39,11 +39,12 @@ struct FluidForceCoefficients {
 template <DragLaw Drag>
 class FluidForces {
  public:
-  /// The drag law with its parameters. Throws if a coefficient is negative or not finite.
+  /// The drag law with its parameters. Throws if a coefficient is not between 0 and 100.
   explicit FluidForces(Drag drag, const FluidForceCoefficients& coefficients = {})
       : drag_(std::move(drag)), coefficients_(coefficients) {
-    require_not_negative("FluidForces: added_mass", coefficients.added_mass);
-    require_not_negative("FluidForces: lift", coefficients.lift);
+    constexpr Range plausible{0, 100};
+    require_between("FluidForces: added_mass", coefficients.added_mass, plausible);
+    require_between("FluidForces: lift", coefficients.lift, plausible);
   }
   // A copy is a trial, of which Leapfrog makes one in its first step: its impulses do not count.
   FluidForces(const FluidForces& other)
