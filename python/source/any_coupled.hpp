@@ -8,10 +8,8 @@
 #include <silt/coupled/fluid_forces.hpp>
 
 #include "any_simulation.hpp"
-#include "setup_in_file.hpp"
 
 #include <cstdint>
-#include <iterator>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -25,7 +23,6 @@ struct NamedDrag {
   std::string_view name;
   double (*coefficient)(const coupled::GrainInFluid&);
 };
-/// A checkpoint has the places in this list: add others at its end.
 inline constexpr NamedDrag drag_laws[] = {
     {"stokes", &coupled::StokesDrag::coefficient},
     {"schiller_naumann", &coupled::SchillerNaumann::coefficient},
@@ -45,21 +42,7 @@ struct AnyDrag {
   double coefficient(const coupled::GrainInFluid& at) const {
     return is_named ? drag_laws[place].coefficient(at) : linear;
   }
-  template <class Archive>
-  void transfer(Archive& archive) {
-    archive("is_named", is_named);
-    archive("place", place);
-    archive("linear", linear);
-  }
-  bool operator==(const AnyDrag&) const = default;
 };
-inline std::string python_text(const AnyDrag& drag) {
-  if (drag.is_none()) return "None";
-  if (!drag.is_named) return python_text(drag.linear);
-  // A later version may have more.
-  const bool is_known = drag.place < std::size(drag_laws);
-  return "'" + std::string(is_known ? drag_laws[drag.place].name : "another law") + "'";
-}
 
 class AnyCoupled : public AnyAdvancing {
  public:

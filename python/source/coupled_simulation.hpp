@@ -16,6 +16,7 @@
 #include "any_law.hpp"
 #include "flow_simulation.hpp"
 #include "grain_simulation.hpp"
+#include "setup_in_file.hpp"
 
 #include <algorithm>
 #include <cstddef>
@@ -131,11 +132,7 @@ class CoupledSimulation final : public AnyCoupled {
                     std::shared_ptr<AnyOpenings<Dim>> openings)
       : both_(std::move(both)),
         arguments_(arguments_in_file(grains)),
-        openings_(std::move(openings)) {
-    const coupled::FluidForceCoefficients& coefficients = forces().coefficients();
-    arguments_.all.push_back({"added_mass", {coefficients.added_mass}});
-    arguments_.all.push_back({"lift", {coefficients.lift}});
-  }
+        openings_(std::move(openings)) {}
 
   int dimension() const override { return Dim; }
   double time() const override { return both_->time(); }
@@ -170,36 +167,30 @@ class CoupledSimulation final : public AnyCoupled {
 
   void write_frame(VtkSeries& frames) const override { frames(std::as_const(*both_)); }
   void write_checkpoint(const std::filesystem::path& path) const override {
-    silt::write_checkpoint(path, std::as_const(*both_), arguments_, forces().drag(),
-                           openings_in_file());
+    silt::write_checkpoint(path, std::as_const(*both_), arguments_, openings_in_file());
   }
   void read_checkpoint(const CheckpointToRead& from) override {
     ArgumentsInFile written = arguments_;
-    AnyDrag drag = forces().drag();
     OpeningsInFile openings = openings_in_file();
     const auto compare = [&](const Both& read) {
       const Both& present = *both_;
       require_same(from.file, written, arguments_);
-      require_same(from.file, "drag", drag, forces().drag());
       require_same(from.file, read.grains().particles().box(), present.grains().particles().box());
       require_same(from.file, "on_escape", read.particles().box().on_escape,
                    present.particles().box().on_escape);
     };
-    read_compared(from, *both_, compare, written, drag, openings);
+    read_compared(from, *both_, compare, written, openings);
     if (openings_) openings_->set_numbers(openings.numbers);
   }
 
  private:
   void before_step() { let_pass(openings_.get(), both_->fluid()); }
-  const auto& forces() const {
-    return std::as_const(*both_).grains().interaction().template part<2>();
-  }
   OpeningsInFile openings_in_file() const {
     return {openings_ ? openings_->numbers() : std::vector<double>{}};
   }
 
   std::shared_ptr<Both> both_;
-  ArgumentsInFile arguments_;  // of the grains, and the forces on them
+  ArgumentsInFile arguments_;  // of the grains
   std::shared_ptr<AnyOpenings<Dim>> openings_;
 };
 
@@ -211,9 +202,10 @@ Joined join(AnySimulation& grains, AnySimulation& fluid, const Joint& joint) {
   const auto& of_grains = setup_of<GrainSetup<Dim>>(grains, "grains");
   const auto& of_fluid = setup_of<FlowSetup<Dim>>(fluid, "fluid");
   if (Dim == 2 && joint.drag.is_named) {
-    fail("Coupled: drag = " + python_text(joint.drag) +
-         " is a law of spheres, in 3D; in 2D give None, or β of a linear law in kg/s, per metre of "
-         "depth");
+    fail(
+        "Coupled: drag = '" + std::string(drag_laws[joint.drag.place].name) +
+        "' is a law of spheres, in 3D; in 2D give None, or β of a linear law in kg/s, per metre of "
+        "depth");
   }
   Grains in_fluid = grains_in_fluid(grains, of_grains, joint);
   Fluid around = fluid_around(fluid, of_fluid);

@@ -52,6 +52,8 @@ constexpr std::pair<std::string_view, std::string_view> advice[] = {
     {"with FlowSettings: viscosity", "with viscosity"},
     {"or the grains NoDrag", "or drag=None to Coupled"},
     {"FluidForces: ", "Coupled: "},
+    {"FluidForces::drag", "drag"},
+    {"FluidForceCoefficients::", ""},
     {"set Box::on_escape to OnEscape::remove", "set on_escape to 'remove'"},
     {"move it to the other side of the wall beside it, or set ImageWalls::let_fluid_fall",
      "change the gravity, or close the tank by lid=True"},

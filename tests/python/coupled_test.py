@@ -297,10 +297,10 @@ class Runs(unittest.TestCase):
         # The only test of what a checkpoint of a Coupled is compared with.
         box = silt.Box(lower=(-1, -1), upper=(1, 1))
         cases = {
-            "drag = 20, but here it is 21": {"joint": {"drag": 21.0}},
-            "drag = 20, but here it is None": {"joint": {"drag": None}},
-            "added_mass = 0, but here it is 1": {"joint": {"added_mass": 1}},
-            "lift = 0, but here it is 0.5": {"joint": {"lift": 0.5}},
+            "another drag;": {"joint": {"drag": 21.0}},
+            "another drag; ": {"joint": {"drag": None}},
+            "another added_mass;": {"joint": {"added_mass": 1}},
+            "another lift;": {"joint": {"lift": 0.5}},
             "damping = 0, but here it is 0.5": {"damping": 0.5},
             "box: lower = (-inf, -inf), but here it is (-1, -1)": {"box": box},
         }
