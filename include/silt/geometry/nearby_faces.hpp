@@ -31,8 +31,8 @@ class NearbyFaces {
     Vec normal;
     double offset;
     std::uint32_t first, end;  ///< of its faces in faces()
-    /// 1 or −1: x is outside, or inside, of the closed surface of the faces, and the sides of those
-    /// that may be seen have this sign of the height; 0: both.
+    /// 1 or −1: the sign of the height on the side of the faces that may be seen, as they are of a
+    /// closed surface, and x is outside of it or inside; 0: both sides may be.
     int side = 0;
 
     /// Signed distance from the plane [m].
