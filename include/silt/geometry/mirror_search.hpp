@@ -87,7 +87,6 @@ class MirrorSearch {
   // new one.
   bool follow(std::size_t k, const NearFacet& facet) {
     const Seen& from = seen_[k];
-    if (from.last == &facet) return false;  // no line meets a plane twice
     const double height = facet.height(from.viewpoint);
     if (!(std::abs(height) < around_->furthest()) || facet.side * height < 0) return false;
     const double most = furthest_that_shows(facet, height);
