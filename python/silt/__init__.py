@@ -31,7 +31,9 @@ from .moving import (
     Translation,
     Vibration,
     faces_of_box,
+    faces_of_disc,
     faces_of_polyline,
+    faces_of_sphere,
     remove_inside,
 )
 from .openings import Extraction, Inflow, OpeningState, Outflow, PressureOpening
@@ -95,7 +97,9 @@ __all__ = [
     "VtkWalls",
     "__version__",
     "faces_of_box",
+    "faces_of_disc",
     "faces_of_polyline",
+    "faces_of_sphere",
     "fill",
     "flow_simulation",
     "grain_simulation",

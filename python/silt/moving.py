@@ -43,6 +43,34 @@ def faces_of_polyline(points, *, closed: bool = False) -> np.ndarray:
     return np.stack([corners[:-1], corners[1:]], axis=1)
 
 
+def faces_of_disc(centre, radius: float, edge: float) -> np.ndarray:
+    """A regular polygon with the area of a disc, and normals outwards.
+
+    centre    2 numbers [m]
+    radius    of the disc [m]
+    edge      length of its edges, at most about [m], at least a thousandth of the radius
+
+    Returns an array of shape (n, 2, 2), the ends of segments [m].
+    """
+    return _silt.faces_of_disc(list(arguments.vector("faces_of_disc: centre", centre)),
+                               arguments.number("faces_of_disc: radius", radius),
+                               arguments.number("faces_of_disc: edge", edge))
+
+
+def faces_of_sphere(centre, radius: float, edge: float) -> np.ndarray:
+    """Triangles with the volume of a sphere, and normals outwards: an icosahedron, divided.
+
+    centre    3 numbers [m]
+    radius    of the sphere [m]
+    edge      length of the edges, at most about [m], at least a thousandth of the radius
+
+    Returns an array of shape (n, 3, 3), the corners of triangles [m].
+    """
+    return _silt.faces_of_sphere(list(arguments.vector("faces_of_sphere: centre", centre)),
+                                 arguments.number("faces_of_sphere: radius", radius),
+                                 arguments.number("faces_of_sphere: edge", edge))
+
+
 def remove_inside(position, faces, spacing: float) -> np.ndarray:
     """The positions at which fluid is beside a body: not inside of its closed faces, nor closer to them than 0.45
     spacings.
@@ -261,6 +289,9 @@ class FloatingBody:
     held                 for each axis, whether it keeps its first velocity along it, whatever the load; none if not
                          given
     keeps_orientation    it does not turn
+    radius               of a disc or a sphere, about the centre of its volume: its contacts are those of this shape,
+                         and its faces, such as those of faces_of_disc(), those of the water only; 0: its contacts are
+                         those of its faces [m]
     friction             coefficient of its friction on walls, and on other bodies, of which the smaller one counts
     load                 load(state, time) of springs, moorings and the like: returns force [N] and torque about the
                          centre of mass [N m], a number in 2D, such as ((0, 1), 0). It must be a function of the
@@ -274,6 +305,7 @@ class FloatingBody:
     spin: tuple[float, ...] | None = None
     held: tuple[bool, ...] | None = None
     keeps_orientation: bool = False
+    radius: float = 0
     friction: float = 0
     load: Callable | None = None
 
@@ -281,7 +313,8 @@ class FloatingBody:
         arguments.convert(
             self, faces=arguments.faces, density=arguments.optional(arguments.number),
             velocity=arguments.optional(arguments.vector), spin=arguments.optional(arguments.angular),
-            held=arguments.optional(arguments.flags), keeps_orientation=arguments.flag, friction=arguments.number)
+            held=arguments.optional(arguments.flags), keeps_orientation=arguments.flag, radius=arguments.number,
+            friction=arguments.number)
         if (self.density is None) == (self.mass_properties is None):
             raise Error(f"FloatingBody: density = {self.density!r} and mass_properties = {self.mass_properties!r}; "
                         "give one of them")

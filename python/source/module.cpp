@@ -300,6 +300,8 @@ PYBIND11_MODULE(_silt, module) {
                return lower.size() == 2 ? faces_of_box<2>(lower, upper, open_top)
                                         : faces_of_box<3>(lower, upper, open_top);
              });
+  module.def("faces_of_disc", &faces_of_ball<2>);
+  module.def("faces_of_sphere", &faces_of_ball<3>);
   module.def("use_threads", &use_threads);
   // The threads of OpenMP do not exist in a process that was forked.
   module.def("after_fork", [] {

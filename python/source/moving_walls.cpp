@@ -32,6 +32,16 @@
 namespace silt::python {
 namespace {
 
+template <int Dim>
+py::array array_of(const std::vector<Face<Dim>>& faces) {
+  py::array_t<double> array({py::ssize_t(faces.size()), py::ssize_t(Dim), py::ssize_t(Dim)});
+  double* to = array.mutable_data();
+  for (const Face<Dim>& face : faces) {
+    for (const Vec<Dim>& corner : face.corners) to = std::copy(corner.begin(), corner.end(), to);
+  }
+  return array;
+}
+
 // An angular vector is a number in 2D, for Python one of one component.
 template <int Dim>
 AngularVec<Dim> to_angular(const std::string& name, const std::vector<double>& numbers) {
@@ -176,6 +186,7 @@ mps::FloatingBody<Dim> body_from(const py::handle& object) {
     for (int k = 0; k < Dim; ++k) body.is_held[Index(k)] = held[k] != 0;
   }
   body.keeps_orientation = object.attr("keeps_orientation").cast<bool>();
+  body.radius = number(object, "radius");
   body.friction = number(object, "friction");
   if (object.attr("load").is_none()) return body;
   const PythonFunction function(object.attr("_load_numbers"));
@@ -244,13 +255,17 @@ py::array faces_of_box(const std::vector<double>& lower, const std::vector<doubl
                        bool open_top) {
   const Box<Dim> box{.lower = to_vector<Dim>("faces_of_box: lower", lower),
                      .upper = to_vector<Dim>("faces_of_box: upper", upper)};
-  const auto faces = faces_of(box, open_top ? Sides<Dim>::open() : Sides<Dim>::all());
-  py::array_t<double> array({py::ssize_t(faces.size()), py::ssize_t(Dim), py::ssize_t(Dim)});
-  double* to = array.mutable_data();
-  for (const Face<Dim>& face : faces) {
-    for (const Vec<Dim>& corner : face.corners) to = std::copy(corner.begin(), corner.end(), to);
+  return array_of<Dim>(faces_of(box, open_top ? Sides<Dim>::open() : Sides<Dim>::all()));
+}
+
+template <int Dim>
+py::array faces_of_ball(const std::vector<double>& centre, double radius, double edge) {
+  if constexpr (Dim == 2) {
+    return array_of<2>(faces_of_disc(to_vector<2>("faces_of_disc: centre", centre), radius, edge));
+  } else {
+    return array_of<3>(
+        faces_of_sphere(to_vector<3>("faces_of_sphere: centre", centre), radius, edge));
   }
-  return array;
 }
 
 template mps::AnyMovingWalls<2> moving_walls_of(const py::list&, const AnyOpenings<2>*,
@@ -265,5 +280,7 @@ template py::array without_inside<2>(const Doubles&, const Doubles&, double);
 template py::array without_inside<3>(const Doubles&, const Doubles&, double);
 template py::array faces_of_box<2>(const std::vector<double>&, const std::vector<double>&, bool);
 template py::array faces_of_box<3>(const std::vector<double>&, const std::vector<double>&, bool);
+template py::array faces_of_ball<2>(const std::vector<double>&, double, double);
+template py::array faces_of_ball<3>(const std::vector<double>&, double, double);
 
 }  // namespace silt::python

@@ -32,4 +32,8 @@ template <int Dim>
 py::array faces_of_box(const std::vector<double>& lower, const std::vector<double>& upper,
                        bool open_top);
 
+/// Those of a disc or a sphere [m].
+template <int Dim>
+py::array faces_of_ball(const std::vector<double>& centre, double radius, double edge);
+
 }  // namespace silt::python

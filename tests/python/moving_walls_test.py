@@ -178,6 +178,8 @@ class MovingWalls(unittest.TestCase):
                      lambda: silt.TabulatedMotion(times=[[0]]), lambda: silt.MotionFunction(function=0),
                      lambda: silt.faces_of_box((0, 0), (1, 1, 1)), lambda: silt.faces_of_polyline([(0, 0)]),
                      lambda: silt.faces_of_polyline(np.zeros((3, 3))),
+                     lambda: silt.faces_of_disc((0, 0, 0), 1, 1), lambda: silt.faces_of_sphere((0, 0, 0), -1, 1),
+                     lambda: silt.faces_of_disc((0, 0), 1, 1e-9),
                      lambda: silt.remove_inside(np.zeros((1, 2)), np.zeros((1, 3, 3)), 0.1),
                      lambda: silt.remove_inside(np.zeros((1, 2)), board, 0)):
             with self.assertRaises(silt.Error) as caught:
@@ -268,10 +270,21 @@ class Bodies(unittest.TestCase):
             self.assertGreater(state.position[2], 0.15)
             self.assertEqual(simulation.body_load(0)[1].shape, (3,))
 
+    def test_meet_as_spheres(self):
+        """A sphere that falls on the floor comes to rest a spacing above it, whatever its faces are."""
+        faces = silt.faces_of_sphere((0.3, 0.3, 0.15), 0.1, 0.08)
+        self.assertEqual(faces.shape[1:], (3, 3))
+        simulation = silt.flow_simulation(
+            position=[(0.58, 0.58, 0.01)], spacing=0.02, tank=(0.6, 0.6, 0.4), speed_scale=1,
+            bodies=silt.FloatingBody(faces=faces, density=3000, radius=0.1, velocity=(0, 0, -0.5)))
+        simulation.run(until=0.15)
+        self.assertAlmostEqual(simulation.bodies[0].position[2], 0.12, places=6)
+
     def test_refuse_bad_arguments(self):
         for bad in ({"density": -1}, {"density": 0}, {"density": None}, {"density": "light"}, {"velocity": (0, NAN)},
                     {"velocity": (0, 0, 0)}, {"spin": NAN}, {"spin": (0, 0, 1)}, {"held": (True, False, True)},
                     {"held": "x"}, {"keeps_orientation": 1}, {"keeps_orientation": True, "spin": 1}, {"load": 3},
+                    {"radius": -1}, {"radius": 0.3},
                     {"mass_properties": silt.MassProperties(mass=1, centre=(0, 0), inertia=1)},
                     {"density": None, "mass_properties": 3},
                     {"density": None, "mass_properties": silt.MassProperties(mass=-1, centre=(0, 0), inertia=1)},

@@ -105,7 +105,8 @@ NOT_STORED = {
     "MovingWallsInFlow": {**all_of(GIVEN, "groups_ is_solid_"), **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_"),
                           "now_": "WallMotions passes for_each_number(); begin_step() sets now_.last from now_.steps",
                           "bodies_": "for_each_number() passes them", "saved_": ROLLBACK},
-    "BodyInFlow": {**all_of(GIVEN, "body_ mass_ volume_ largest_distance_"), **all_of(ANEW, "time_step_ load_of_user_"),
+    "BodyInFlow": {**all_of(GIVEN, "body_ mass_ volume_ centre_of_volume_ deviation_ largest_distance_"),
+                   **all_of(ANEW, "time_step_ load_of_user_"),
                    "now_": "WallMotions passes for_each_number()",
                    "saved_": ROLLBACK},
     "WallNormals": {"normals_": "the same bits whenever they are found, see find()",
@@ -213,5 +214,6 @@ NOT_SAVED = {
     "WallMotions": {"mover_": "save() and restore() are those of the mover"},
     "MovingWallsInFlow": {**all_of(GIVEN, "groups_ is_solid_"),
                           **all_of(ANEW, "contacts_ coupling_ holds_bodies_ loads_ time_step_")},
-    "BodyInFlow": {**all_of(GIVEN, "body_ mass_ volume_ largest_distance_"), **all_of(ANEW, "time_step_ load_of_user_")},
+    "BodyInFlow": {**all_of(GIVEN, "body_ mass_ volume_ centre_of_volume_ deviation_ largest_distance_"),
+                   **all_of(ANEW, "time_step_ load_of_user_")},
 }

@@ -8,8 +8,12 @@
 #include <silt/core/types.hpp>
 #include <silt/geometry/face.hpp>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <numbers>
+#include <string>
 #include <vector>
 
 namespace silt {
@@ -38,6 +42,110 @@ inline std::vector<Triangle<>> triangles_of(const std::vector<Face<3>>& faces) {
   std::vector<Triangle<>> triangles;
   for (const Face<3>& face : faces) triangles.push_back({face.corners});
   return triangles;
+}
+
+namespace detail {
+
+// Throws unless a disc or a sphere can have faces with such edges.
+template <int Dim>
+void require_ball(const std::string& name, const Vec<Dim>& centre, double radius, double edge) {
+  require_finite((name + ": centre").c_str(), centre);
+  require_positive(name + ": radius", radius);
+  require_positive(name + ": edge", edge);
+  constexpr double least = 1e-3;
+  if (edge >= least * radius) return;
+  fail({name, ": edge = ", edge, " m is less than ", least, " of the radius = ", radius,
+        " m; give a longer one"});
+}
+
+// The corners of an icosahedron with edges of 2 m, around the origin.
+inline std::vector<Vec<3>> corners_of_icosahedron() {
+  std::vector<Vec<3>> corners;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double one : {-1.0, 1.0}) {
+      for (const double golden : {-std::numbers::phi, std::numbers::phi}) {
+        Vec<3> x = Vec<3>::Zero();
+        x[(axis + 1) % 3] = one;
+        x[(axis + 2) % 3] = golden;
+        corners.push_back(x);
+      }
+    }
+  }
+  return corners;
+}
+
+}  // namespace detail
+
+/// A regular polygon with the area of a disc and normals outwards. The edges are at most about as
+/// long as `edge` [m]. Throws if the radius or the edge is not positive, or the edge below a
+/// thousandth of the radius.
+inline std::vector<Face<2>> faces_of_disc(const Vec<2>& centre, double radius, double edge) {
+  detail::require_ball("faces_of_disc", centre, radius, edge);
+  const int sides = std::max(8, static_cast<int>(std::ceil(2 * std::numbers::pi * radius / edge)));
+  const double step = 2 * std::numbers::pi / sides;
+  const double of_corners = radius * std::sqrt(step / std::sin(step));
+  std::vector<Vec<2>> corners;
+  for (int k = 0; k <= sides; ++k) {
+    const double angle = -step * (k % sides);  // clockwise
+    corners.push_back(centre + of_corners * Vec<2>(std::cos(angle), std::sin(angle)));
+  }
+  return polyline(corners);
+}
+
+/// Triangles that approximate a sphere, with its volume and normals outwards: those of an
+/// icosahedron, divided. The edges are at most about as long as `edge` [m]. Throws as
+/// faces_of_disc() does.
+inline std::vector<Face<3>> faces_of_sphere(const Vec<3>& centre, double radius, double edge) {
+  detail::require_ball("faces_of_sphere", centre, radius, edge);
+  // The angle of an icosahedron's edge is 1.107; projected parts of it are up to 1.2 times as long
+  // as their mean.
+  const int parts = std::max(2, static_cast<int>(std::ceil(1.2 * 1.107 * radius / edge)));
+  const std::vector<Vec<3>> corners = detail::corners_of_icosahedron();
+  std::vector<Face<3>> faces;
+  double volume = 0;
+  std::vector<Vec<3>> points;
+  const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
+    Face<3> face{{points[i], points[j], points[k]}};
+    const double sixfold = points[i].dot(cross(points[j], points[k]));
+    volume += std::abs(sixfold) / 6;
+    faces.push_back(sixfold < 0 ? reversed(face) : face);
+  };
+  const auto divide = [&](const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
+    // Points of a common edge have the same bits in both triangles, as the corners are always in
+    // the same order.
+    points.clear();
+    for (int i = 0; i <= parts; ++i) {
+      for (int j = 0; i + j <= parts; ++j) {
+        Vec<3> x;
+        for (int k = 0; k < 3; ++k) x[k] = (parts - i - j) * a[k] + i * b[k] + j * c[k];
+        points.push_back(x / x.norm());
+      }
+    }
+    std::size_t first = 0;  // of row i
+    for (int i = 0; i < parts; ++i) {
+      const auto size = static_cast<std::size_t>(parts - i + 1);
+      for (std::size_t j = 0; j + 1 < size; ++j) {
+        add(first + j, first + j + 1, first + size + j);
+        if (j + 2 < size) add(first + j + 1, first + size + j, first + size + j + 1);
+      }
+      first += size;
+    }
+  };
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    for (std::size_t j = i + 1; j < corners.size(); ++j) {
+      for (std::size_t k = j + 1; k < corners.size(); ++k) {
+        const double longest =
+            std::max({(corners[i] - corners[j]).norm(), (corners[j] - corners[k]).norm(),
+                      (corners[k] - corners[i]).norm()});
+        if (longest < 2.1) divide(corners[i], corners[j], corners[k]);
+      }
+    }
+  }
+  const double of_corners = radius * std::cbrt(4 * std::numbers::pi / (3 * volume));
+  for (Face<3>& face : faces) {
+    for (Vec<3>& x : face.corners) x = centre + of_corners * x;
+  }
+  return faces;
 }
 
 /// Which sides of a box have faces: those across axis k, at the lower and at the upper end.

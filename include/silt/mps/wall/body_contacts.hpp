@@ -5,6 +5,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/geometry/close_faces.hpp>
+#include <silt/geometry/face.hpp>
 #include <silt/geometry/face_crossing.hpp>
 #include <silt/geometry/faces.hpp>
 #include <silt/geometry/places_of_pairs.hpp>
@@ -20,10 +21,10 @@ namespace silt::mps {
 
 /// Keeps bodies a spacing l0 apart from walls and from each other, as the flow between closer faces
 /// is not resolved: where a step would bring faces closer, impulses along the line between their
-/// closest points end the approach, without rebound. Across them, friction of Coulomb resists the
-/// sliding, in the middle between both points, where it keeps the angular momentum of bodies. They
-/// are found one after another, as often as it takes (projected Gauss–Seidel, [Jean1999]), and
-/// change the momentum of the bodies.
+/// closest points end the approach, without rebound. Discs and spheres take part by their own
+/// shape. Across them, friction of Coulomb resists the sliding, in the middle between both points,
+/// where it keeps the angular momentum of bodies. They are found one after another, as often as it
+/// takes (projected Gauss–Seidel, [Jean1999]), and change the momentum of the bodies.
 template <int Dim>
 class BodyContacts {
  public:
@@ -37,11 +38,14 @@ class BodyContacts {
                       double time_step, GroupOfBody&& group_of_body, VelocityOf&& velocity_of) {
     contacts_.clear();
     places_.clear();
+    double deviation = 0;
+    for (const auto& body : bodies) deviation = std::max(deviation, body.deviation_of_faces());
     for (std::size_t b = 0; b < bodies.size(); ++b) {
       const std::uint32_t first_body = group_of_body(0);
       // A particle between them moves by less than a spacing in a step, and so do they.
+      const double near = 3 * spacing + 2 * deviation;
       for_each_close_pair(
-          faces, group_of_body(b), 3 * spacing, [&](std::uint32_t own, std::uint32_t other) {
+          faces, group_of_body(b), near, [&](std::uint32_t own, std::uint32_t other) {
             const std::uint32_t group = faces[other].group;
             const bool is_of_body = group >= first_body;
             if (is_of_body && group < group_of_body(b)) return;  // found from the other one
@@ -52,25 +56,34 @@ class BodyContacts {
             if (is_of_body) {
               contact.friction = std::min(contact.friction, bodies[contact.other].friction());
             }
+            const auto add = [&](const Vec& x, const Vec& y, const Vec& normal, double distance) {
+              if (!(distance < 3 * spacing)) return;
+              contact.x = x;
+              contact.y = y;
+              contact.normal = normal;
+              if (!is_of_body) {
+                contact.velocity_of_wall = velocity_of(group, y);
+                contact.velocity_in_middle = velocity_of(group, contact.middle());
+              }
+              // They may come closer by this in the step, and never less than now.
+              contact.approach = std::max(0.0, distance - spacing) / time_step;
+              add_if_new(contact, spacing);
+            };
+            const BodyInFlow<Dim>* const other_body = is_of_body ? &bodies[contact.other] : nullptr;
+            if (bodies[b].radius() > 0 || (other_body && other_body->radius() > 0)) {
+              add_of_round(bodies[b], faces[own].face, other_body, faces[other].face, add);
+              return;
+            }
             for_each_closest_points(
                 faces[own].face, faces[other].face, [&](const Vec& x, const Vec& y) {
-                  const double distance = (x - y).norm();
-                  if (!(distance < 3 * spacing)) return;
-                  const double touching = 1e-2 * spacing;
+                  const double distance = (x - y).norm(), touching = 1e-2 * spacing;
+                  Vec normal = Vec::Zero();
                   if (distance > touching) {
-                    contact.normal = (x - y) / distance;
-                  } else if (!find_normal(faces[own], faces[other], y, touching, contact.normal)) {
+                    normal = (x - y) / distance;
+                  } else if (!find_normal(faces[own], faces[other], y, touching, normal)) {
                     return;
                   }
-                  contact.x = x;
-                  contact.y = y;
-                  if (!is_of_body) {
-                    contact.velocity_of_wall = velocity_of(group, y);
-                    contact.velocity_in_middle = velocity_of(group, contact.middle());
-                  }
-                  // The faces may come closer by this in the step, and never less than now.
-                  contact.approach = std::max(0.0, distance - spacing) / time_step;
-                  add_if_new(contact, spacing);
+                  add(x, y, normal, distance);
                 });
           });
     }
@@ -104,6 +117,21 @@ class BodyContacts {
     Vec middle() const { return (x + y) / 2; }
   };
 
+  // add(x, y, normal, distance) for the closest points of a body and of a face or another body, if
+  // one of the bodies is a disc or a sphere. Their faces are those of the fluid only.
+  template <class Add>
+  static void add_of_round(const BodyInFlow<Dim>& body, const Face<Dim>& face,
+                           const BodyInFlow<Dim>* other, const Face<Dim>& other_face, Add&& add) {
+    const double radius = body.radius(), of_other = other ? other->radius() : 0;
+    // The points between which the line of centres is, and then those on the surfaces.
+    Vec x = body.centre_of_volume(), y = of_other > 0 ? other->centre_of_volume() : x;
+    if (!(radius > 0)) x = nearest_of(face, y);
+    if (!(of_other > 0)) y = nearest_of(other_face, x);
+    const double between = (x - y).norm();
+    if (!(between > 0)) return;
+    const Vec normal = (x - y) / between;
+    add(Vec(x - radius * normal), Vec(y + of_other * normal), normal, between - radius - of_other);
+  }
   // Until they change velocities by little, compared with a scale [m/s].
   void push_all(Of which, std::vector<BodyInFlow<Dim>>& bodies, double scale) {
     if (contacts_.empty()) return;

@@ -9,6 +9,7 @@
 #include <silt/geometry/orientation.hpp>
 #include <silt/geometry/rigid_body.hpp>
 #include <silt/mps/wall/floating_body.hpp>
+#include <silt/mps/wall/floating_body_checks.hpp>
 
 #include <Eigen/LU>
 
@@ -57,19 +58,21 @@ class BodyInFlow {
     }
     if (body.mass_properties) {
       mass_ = *body.mass_properties;
-      require_valid(name, mass_);
-      volume_ = mass_properties_of(name, body.faces, 1).mass;  // throws if they are not closed
+      detail::require_valid(name, mass_);
     } else {
       require_positive((name + ": density").c_str(), body.density);
       mass_ = mass_properties_of(name, body.faces, body.density);
-      volume_ = mass_.mass / body.density;
       require_positive((name + ": mass").c_str(), mass_.mass);
-      if (!is_valid(mass_.inertia)) {
+      if (!detail::is_inertia(mass_.inertia)) {
         fail({name, ": the moment of inertia that follows from its faces is ",
-              text_of(mass_.inertia),
+              detail::text_of(mass_.inertia),
               " kg m²; let no faces cross each other, and all normals be outwards"});
       }
     }
+    const MassProperties<Dim> of_volume = mass_properties_of(name, body.faces, 1);  // or throws
+    volume_ = of_volume.mass;
+    centre_of_volume_ = of_volume.centre;
+    if (body.radius != 0) deviation_ = detail::deviation_of_round(name, body, centre_of_volume_);
     Vec lower = body.faces[0].corners[0], upper = lower;
     for (const Face<Dim>& face : body.faces) {
       for (const Vec& corner : face.corners) {
@@ -102,6 +105,10 @@ class BodyInFlow {
   }
   double volume() const { return volume_; }  ///< inside its faces [m³]
   double friction() const { return body_.friction; }  ///< coefficient [-]
+  double radius() const { return body_.radius; }  ///< of a disc or a sphere [m]; 0 if it is none
+  /// Of its faces from its radius, at most [m].
+  double deviation_of_faces() const { return deviation_; }
+  Vec centre_of_volume() const { return pose().x_of(centre_of_volume_); }  ///< now [m]
   /// Whether the fluid cannot move it.
   bool is_held() const {
     return body_.keeps_orientation && std::ranges::all_of(body_.is_held, std::identity{});
@@ -290,33 +297,6 @@ class BodyInFlow {
     double share_of_spin = 1;  // θ
   };
 
-  static void require_valid(const std::string& name, const MassProperties<Dim>& mass) {
-    require_positive((name + ": mass_properties: mass").c_str(), mass.mass);
-    require_finite((name + ": mass_properties: centre").c_str(), mass.centre);
-    if (is_valid(mass.inertia)) return;
-    fail({name, ": mass_properties: inertia = ", text_of(mass.inertia),
-          " kg m² must be finite and ",
-          Dim == 2 ? "above 0" : "symmetric, with a positive one about each axis",
-          "; give it about the centre of mass"});
-  }
-  static bool is_valid(const Inertia<Dim>& inertia) {
-    if constexpr (Dim == 2) {
-      return inertia > 0 && is_finite(inertia);
-    } else {
-      return inertia.allFinite() && inertia.isApprox(inertia.transpose()) && inertia(0, 0) > 0 &&
-             inertia.template topLeftCorner<2, 2>().determinant() > 0 && inertia.determinant() > 0;
-    }
-  }
-  // Row by row.
-  static std::string text_of(const Inertia<Dim>& inertia) {
-    if constexpr (Dim == 2) {
-      return to_text(inertia);
-    } else {
-      return to_text(Vec(inertia.row(0))) + " " + to_text(Vec(inertia.row(1))) + " " +
-             to_text(Vec(inertia.row(2)));
-    }
-  }
-
   // At the end of a step.
   State after(const BodyLoad<Dim>& of_fluid, const Vec& acceleration, double time_step) const {
     State end = now_;
@@ -388,6 +368,8 @@ class BodyInFlow {
   FloatingBody<Dim> body_;
   MassProperties<Dim> mass_;
   double volume_ = 0;            // inside its faces [m³]
+  Vec centre_of_volume_ = Vec::Zero();  // where the faces are defined [m]
+  double deviation_ = 0;                // of the faces from the radius [m]
   double largest_distance_ = 0;  // of a corner from the centre of mass [m]
   double time_step_ = 1;         // [s]
   BodyLoad<Dim> load_of_user_;   // in the step

@@ -39,6 +39,10 @@ struct FloatingBody {
   /// Along these axes it keeps its first velocity, whatever the load.
   std::array<bool, std::size_t(Dim)> is_held = {};
   bool keeps_orientation = false;  ///< it does not turn
+  /// Of a disc or a sphere [m], about the centre of its volume: contacts are those of this shape,
+  /// and the faces, such as those of faces_of_disc() or faces_of_sphere(), those of the fluid only.
+  /// 0: contacts are those of its faces.
+  double radius = 0;
   /// Coefficient of its friction on walls, and on other bodies, of which the smaller one counts
   /// [-].
   double friction = 0;

@@ -45,10 +45,19 @@ void require_no_crossing(const Faces<Dim>& faces, double spacing, NameOf&& name_
         to_text(crossing->x), " m; let faces touch at most, or change the motion"});
 }
 
-/// Throws if a body is smaller than a spacing [m]; `first` is the group of the first one.
+/// Throws if a body is smaller than a spacing [m], or the faces of a disc or sphere far from its
+/// radius; `first` is the group of the first one.
 template <int Dim>
-[[gnu::cold]] void require_resolved_bodies(const Faces<Dim>& faces, std::uint32_t first,
+[[gnu::cold]] void require_resolved_bodies(const std::vector<BodyInFlow<Dim>>& bodies,
+                                           const Faces<Dim>& faces, std::uint32_t first,
                                            double spacing) {
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].deviation_of_faces() <= spacing / 4) continue;
+    fail({"MovingWalls: body ", b, ": its faces are up to ", bodies[b].deviation_of_faces(),
+          " m away from its radius = ", bodies[b].radius(),
+          " m, more than a quarter of the spacing = ", spacing,
+          " m; give faces with shorter edges"});
+  }
   for (std::uint32_t group = first; group <= faces.groups(); ++group) {
     const auto bounds = faces.bounds_of_group(group);
     const double size = (bounds.upper - bounds.lower).maxCoeff();

@@ -84,7 +84,7 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     find_steps_of_bodies();
     faces.begin_step(now_.steps);
     if (now_.is_first) {
-      require_resolved_bodies(faces, group_of_body(0), spacing);
+      require_resolved_bodies(bodies_, faces, group_of_body(0), spacing);
       require_no_crossing_at_first(faces, solid_bodies(), spacing, names());
     }
     if (!bodies_.empty()) {

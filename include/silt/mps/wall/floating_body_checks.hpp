@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+// Checks of a floating body, as a user describes it.
+#pragma once
+
+#include <silt/core/error.hpp>
+#include <silt/core/types.hpp>
+#include <silt/geometry/face.hpp>
+#include <silt/geometry/mass_properties.hpp>
+#include <silt/mps/wall/floating_body.hpp>
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+#include <type_traits>
+
+namespace silt::mps::detail {
+
+// Row by row.
+template <class Inertia>
+std::string text_of(const Inertia& inertia) {
+  if constexpr (std::is_same_v<Inertia, double>) {
+    return to_text(inertia);
+  } else {
+    using Vec = silt::Vec<3>;
+    return to_text(Vec(inertia.row(0))) + " " + to_text(Vec(inertia.row(1))) + " " +
+           to_text(Vec(inertia.row(2)));
+  }
+}
+
+// Whether it is one [kg m²] of a body of some size.
+template <class Inertia>
+bool is_inertia(const Inertia& inertia) {
+  if constexpr (std::is_same_v<Inertia, double>) {
+    return inertia > 0 && is_finite(inertia);
+  } else {
+    return inertia.allFinite() && inertia.isApprox(inertia.transpose()) && inertia(0, 0) > 0 &&
+           inertia.template topLeftCorner<2, 2>().determinant() > 0 && inertia.determinant() > 0;
+  }
+}
+
+template <int Dim>
+void require_valid(const std::string& name, const MassProperties<Dim>& mass) {
+  require_positive((name + ": mass_properties: mass").c_str(), mass.mass);
+  require_finite((name + ": mass_properties: centre").c_str(), mass.centre);
+  if (is_inertia(mass.inertia)) return;
+  fail({name, ": mass_properties: inertia = ", text_of(mass.inertia), " kg m² must be finite and ",
+        Dim == 2 ? "above 0" : "symmetric, with a positive one about each axis",
+        "; give it about the centre of mass"});
+}
+
+/// How far the faces of a disc or a sphere are from its radius, at most [m]. Throws if they are
+/// those of another shape; the centre of its volume is in [m], where the faces are defined.
+template <int Dim>
+double deviation_of_round(const std::string& name, const FloatingBody<Dim>& body,
+                          const Vec<Dim>& centre) {
+  require_positive((name + ": radius").c_str(), body.radius);
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (const Face<Dim>& face : body.faces) {
+    least = std::min(least, (nearest_of(face, centre) - centre).norm());
+    for (const Vec<Dim>& corner : face.corners) most = std::max(most, (corner - centre).norm());
+  }
+  const double deviation = std::max(most - body.radius, body.radius - least);
+  if (deviation <= 0.1 * body.radius) return deviation;
+  fail({name, ": radius = ", body.radius, " m, but its faces are between ", least, " m and ", most,
+        " m away from the centre of its volume; give those of ",
+        Dim == 2 ? "faces_of_disc()" : "faces_of_sphere()", " with this radius, or no radius"});
+}
+
+}  // namespace silt::mps::detail
