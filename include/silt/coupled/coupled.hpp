@@ -28,7 +28,8 @@ namespace silt::coupled {
 /// Grains smaller than the spacing l0 of a fluid, and the fluid, each a Simulation. Those of grains
 /// have Forces, of which the last part is a FluidForces; those of the fluid a flow with a scheme
 /// mps::InMixture. Model A of [Gidaspow1994]. The momentum of both changes by the impulses of
-/// gravity and walls, to round-off; velocities of grains are those at half steps, see Leapfrog.
+/// gravity and walls, to round-off; velocities of grains are those at half steps, see Leapfrog. A
+/// FlowSettings::body_force acts on the fluid only: give the grains a force that does the same.
 template <class GrainSimulation, class FluidSimulation>
 class Coupled {
   using G = std::remove_cvref_t<decltype(std::declval<GrainSimulation>().particles())>;
@@ -53,13 +54,13 @@ class Coupled {
   Coupled(GrainSimulation grains, FluidSimulation fluid)
       : grains_(std::move(grains)),
         fluid_(std::move(fluid)),
-        exchange_({.spacing = settings().spacing,
-                   .density = settings().density,
-                   .viscosity = settings().viscosity,
-                   .radius = std::min(settings().radius, settings().laplacian_radius),
-                   .added_mass = coefficients().added_mass,
-                   .has_lift = coefficients().lift > 0},
-                  settings().gravity.template cast<Real>()),
+        exchange_(
+            ExchangeSettings{.spacing = settings().spacing,
+                             .density = settings().density,
+                             .viscosity = settings().viscosity,
+                             .radius = std::min(settings().radius, settings().laplacian_radius),
+                             .added_mass = coefficients().added_mass,
+                             .has_lift = coefficients().lift > 0}),
         time_(fluid_.time()) {
     detail::require_common_setup(grains_, fluid_);
     begin_forces();
@@ -127,6 +128,11 @@ class Coupled {
           grains, fluid, dt,
           [&](double diameter, double fluid_fraction, double speed, double immersed) {
             return forces.coefficient(diameter, fluid_fraction, speed, immersed);
+          },
+          [&](const Vec& x) {
+            if (!settings().body_force) return g;
+            return Vec(
+                g + settings().body_force(x.template cast<double>(), time_).template cast<Real>());
           });
       grains_.run({.until = time_ + dt, .end_exactly = true});
       exchange_.give_to_fluid(grains, fluid, dt);

@@ -45,10 +45,8 @@ class Exchange {
   using Real = typename G::Real;
   using Vec = typename G::Vec;
 
-  /// Gravity is in [m/s²].
-  Exchange(const ExchangeSettings& settings, const Vec& gravity)
+  explicit Exchange(const ExchangeSettings& settings)
       : settings_(settings),
-        gravity_(gravity),
         reach_(Real(Weights<dimension, Real>::reach_for(settings.radius) * settings.spacing)),
         mass_(Real(settings.density * std::pow(settings.spacing, dimension))) {}
 
@@ -98,8 +96,9 @@ class Exchange {
   /// u, its vorticity, ε, −χ V ∇P and the mobility of the fluid around each grain.
   /// coefficient_of(diameter, ε, speed, χ) is β of a grain, see FluidForces::coefficient(); the
   /// step has this length [s].
-  template <class CoefficientOf>
-  void give_to_grains(G& grains, const F& fluid, double time_step, CoefficientOf&& coefficient_of) {
+  template <class CoefficientOf, class AccelerationAt>
+  void give_to_grains(G& grains, const F& fluid, double time_step, CoefficientOf&& coefficient_of,
+                      AccelerationAt&& acceleration_at) {
     remember_ids(grains, fluid);
     const Index number = grains.size();
     const auto u = fluid[velocity];
@@ -108,6 +107,7 @@ class Exchange {
     const auto immersed = std::as_const(grains)[immersion];
     const auto wake = std::as_const(grains)[own_wake];
     const auto R = std::as_const(grains)[radius];
+    const auto x = std::as_const(grains)[position];
     const auto v = std::as_const(grains)[velocity];
     const auto undisturbed = grains[fluid_velocity];
     const auto accelerated = grains[fluid_acceleration];
@@ -129,7 +129,7 @@ class Exchange {
       means_[k] = mean;
       undisturbed[k] = mean - wake[k];
       if (settings_.has_lift) vorticity[k] = vorticity_around(weights_, k, u);
-      accelerated[k] = gravity_ - of_gradients / Real(settings_.density);
+      accelerated[k] = acceleration_at(x[k]) - of_gradients / Real(settings_.density);
       share[k] = epsilon;
       volumes_[k] = immersed_volume(R[k], immersed[k]);
       of_pressure[k] = -volumes_[k] * of_gradients;
@@ -376,7 +376,6 @@ class Exchange {
   }
 
   ExchangeSettings settings_;
-  Vec gravity_;
   Real reach_;  // of the weights [m]
   Real mass_;   // of a particle of the fluid [kg]
   Weights<dimension, Real> weights_;

@@ -48,13 +48,13 @@ namespace detail {
 
 // Throws unless a disc or a sphere can have faces with such edges.
 template <int Dim>
-void require_ball(const std::string& name, const Vec<Dim>& centre, double radius, double edge) {
+void require_ball(const std::string& name, const Vec<Dim>& centre, double R, double edge) {
   require_finite((name + ": centre").c_str(), centre);
-  require_positive(name + ": radius", radius);
+  require_positive(name + ": radius", R);
   require_positive(name + ": edge", edge);
   constexpr double least = 1e-3;
-  if (edge >= least * radius) return;
-  fail({name, ": edge = ", edge, " m is less than ", least, " of the radius = ", radius,
+  if (edge >= least * R) return;
+  fail({name, ": edge = ", edge, " m is less than ", least, " of the radius = ", R,
         " m; give a longer one"});
 }
 
@@ -76,30 +76,30 @@ inline std::vector<Vec<3>> corners_of_icosahedron() {
 
 }  // namespace detail
 
-/// A regular polygon with the area of a disc and normals outwards. The edges are at most about as
-/// long as `edge` [m]. Throws if the radius or the edge is not positive, or the edge below a
-/// thousandth of the radius.
-inline std::vector<Face<2>> faces_of_disc(const Vec<2>& centre, double radius, double edge) {
-  detail::require_ball("faces_of_disc", centre, radius, edge);
-  const int sides = std::max(8, static_cast<int>(std::ceil(2 * std::numbers::pi * radius / edge)));
+/// A regular polygon with the area of a disc of radius R [m] and normals outwards. The edges are at
+/// most about as long as `edge` [m]. Throws if the radius or the edge is not positive, or the edge
+/// below a thousandth of the radius.
+inline std::vector<Face<2>> faces_of_disc(const Vec<2>& centre, double R, double edge) {
+  detail::require_ball("faces_of_disc", centre, R, edge);
+  const int sides = std::max(8, static_cast<int>(std::ceil(2 * std::numbers::pi * R / edge)));
   const double step = 2 * std::numbers::pi / sides;
-  const double of_corners = radius * std::sqrt(step / std::sin(step));
+  const double of_corners = R * std::sqrt(step / std::sin(step));
   std::vector<Vec<2>> corners;
   for (int k = 0; k <= sides; ++k) {
-    const double angle = -step * (k % sides);  // clockwise
-    corners.push_back(centre + of_corners * Vec<2>(std::cos(angle), std::sin(angle)));
+    const double turn = -step * (k % sides);  // clockwise
+    corners.push_back(centre + of_corners * Vec<2>(std::cos(turn), std::sin(turn)));
   }
   return polyline(corners);
 }
 
-/// Triangles that approximate a sphere, with its volume and normals outwards: those of an
-/// icosahedron, divided. The edges are at most about as long as `edge` [m]. Throws as
+/// Triangles that approximate a sphere of radius R [m], with its volume and normals outwards: those
+/// of an icosahedron, divided. The edges are at most about as long as `edge` [m]. Throws as
 /// faces_of_disc() does.
-inline std::vector<Face<3>> faces_of_sphere(const Vec<3>& centre, double radius, double edge) {
-  detail::require_ball("faces_of_sphere", centre, radius, edge);
+inline std::vector<Face<3>> faces_of_sphere(const Vec<3>& centre, double R, double edge) {
+  detail::require_ball("faces_of_sphere", centre, R, edge);
   // The angle of an icosahedron's edge is 1.107; projected parts of it are up to 1.2 times as long
   // as their mean.
-  const int parts = std::max(2, static_cast<int>(std::ceil(1.2 * 1.107 * radius / edge)));
+  const int parts = std::max(2, static_cast<int>(std::ceil(1.2 * 1.107 * R / edge)));
   const std::vector<Vec<3>> corners = detail::corners_of_icosahedron();
   std::vector<Face<3>> faces;
   double volume = 0;
@@ -141,7 +141,7 @@ inline std::vector<Face<3>> faces_of_sphere(const Vec<3>& centre, double radius,
       }
     }
   }
-  const double of_corners = radius * std::cbrt(4 * std::numbers::pi / (3 * volume));
+  const double of_corners = R * std::cbrt(4 * std::numbers::pi / (3 * volume));
   for (Face<3>& face : faces) {
     for (Vec<3>& x : face.corners) x = centre + of_corners * x;
   }

@@ -122,15 +122,15 @@ class BodyContacts {
   template <class Add>
   static void add_of_round(const BodyInFlow<Dim>& body, const Face<Dim>& face,
                            const BodyInFlow<Dim>* other, const Face<Dim>& other_face, Add&& add) {
-    const double radius = body.radius(), of_other = other ? other->radius() : 0;
+    const double R = body.radius(), R_of_other = other ? other->radius() : 0;
     // The points between which the line of centres is, and then those on the surfaces.
-    Vec x = body.centre_of_volume(), y = of_other > 0 ? other->centre_of_volume() : x;
-    if (!(radius > 0)) x = nearest_of(face, y);
-    if (!(of_other > 0)) y = nearest_of(other_face, x);
+    Vec x = body.centre_of_volume(), y = R_of_other > 0 ? other->centre_of_volume() : x;
+    if (!(R > 0)) x = nearest_of(face, y);
+    if (!(R_of_other > 0)) y = nearest_of(other_face, x);
     const double between = (x - y).norm();
     if (!(between > 0)) return;
     const Vec normal = (x - y) / between;
-    add(Vec(x - radius * normal), Vec(y + of_other * normal), normal, between - radius - of_other);
+    add(Vec(x - R * normal), Vec(y + R_of_other * normal), normal, between - R - R_of_other);
   }
   // Until they change velocities by little, compared with a scale [m/s].
   void push_all(Of which, std::vector<BodyInFlow<Dim>>& bodies, double scale) {
