@@ -42,18 +42,22 @@ layout(location = 0) in vec2 position;   // [m]
 layout(location = 1) in float radius;    // [m]
 layout(location = 2) in float value;
 layout(location = 3) in float angle;     // [rad]
+layout(location = 4) in float grain;     // 1, or 0 of fluid
 uniform vec2 middle, scale;              // of the view [m]; clip coordinates per metre
 uniform float pixels;                    // per metre
+uniform float swell;                     // of the discs of fluid
 uniform float most;
 out float share;
 out float pixelRadius;
 out vec2 direction;
+out float isGrain;
 void main() {
   gl_Position = vec4((position - middle) * scale, 0, 1);
-  pixelRadius = radius * pixels;
+  pixelRadius = radius * pixels * (grain > 0.5 ? 1.0 : swell);
   gl_PointSize = 2.0 * pixelRadius + 2.0;
   share = clamp(value / most, 0.0, 1.0);
   direction = vec2(cos(angle), sin(angle));
+  isGrain = grain;
 }`;
 const particleFragment = `#version 300 es
 precision highp float;
@@ -61,7 +65,7 @@ in float share;
 in float pixelRadius;
 in vec2 direction;
 uniform sampler2D colours;
-uniform float isGrain;
+in float isGrain;
 out vec4 colour;
 void main() {
   vec2 offset = (gl_PointCoord - 0.5) * vec2(1, -1) * (2.0 * pixelRadius + 2.0);  // [pixels]
@@ -135,7 +139,7 @@ export class Drawing {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA, 256, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, table);
   }
 
-  // `look` has view [m], most, isGrain, ink (sRGB, 0 to 1) and swell, by which discs are larger.
+  // `look` has view [m], most, ink (sRGB, 0 to 1) and swell, by which the discs of fluid are larger.
   draw(frame, look) {
     const { gl, canvas } = this;
     if (gl.isContextLost()) return;
@@ -155,23 +159,23 @@ export class Drawing {
     };
 
     view(this.particles);
-    gl.uniform1f(gl.getUniformLocation(this.particles, 'pixels'), pixels * look.swell);
+    gl.uniform1f(gl.getUniformLocation(this.particles, 'pixels'), pixels);
+    gl.uniform1f(gl.getUniformLocation(this.particles, 'swell'), look.swell);
     gl.uniform1f(gl.getUniformLocation(this.particles, 'most'), look.most);
-    gl.uniform1f(gl.getUniformLocation(this.particles, 'isGrain'), look.isGrain ? 1 : 0);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
     gl.bufferData(gl.ARRAY_BUFFER, frame.particles, gl.DYNAMIC_DRAW);
-    [[0, 2, 0], [1, 1, 8], [2, 1, 12], [3, 1, 16]].forEach(([place, size, offset]) => {
+    [[0, 2, 0], [1, 1, 8], [2, 1, 12], [3, 1, 16], [4, 1, 20]].forEach(([place, size, offset]) => {
       gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, size, gl.FLOAT, false, 20, offset);
+      gl.vertexAttribPointer(place, size, gl.FLOAT, false, 24, offset);
     });
-    gl.drawArrays(gl.POINTS, 0, frame.particles.length / 5);
+    gl.drawArrays(gl.POINTS, 0, frame.particles.length / 6);
 
     view(this.walls);
     gl.uniform3f(gl.getUniformLocation(this.walls, 'ink'), ...look.ink);
     const corners = wallCorners(frame.walls, 1.25 * ratio / pixels);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.wallBuffer);
     gl.bufferData(gl.ARRAY_BUFFER, corners, gl.DYNAMIC_DRAW);
-    [1, 2, 3].forEach((place) => gl.disableVertexAttribArray(place));
+    [1, 2, 3, 4].forEach((place) => gl.disableVertexAttribArray(place));
     gl.vertexAttribPointer(0, 2, gl.FLOAT, false, 8, 0);
     gl.drawArrays(gl.TRIANGLES, 0, corners.length / 2);
   }

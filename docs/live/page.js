@@ -99,10 +99,7 @@ function draw() {
   if (!shown || !drawing) return;
   const ink = getComputedStyle(document.documentElement).getPropertyValue('--wall').match(/\w\w/g)
     .map((part) => parseInt(part, 16) / 255);
-  const isGrain = scenes[scene].method === 'DEM';
-  drawing.draw(shown, {
-    view: scenes[scene].view, most: quantity.most / (quantity.scale ?? 1), isGrain, ink, swell: isGrain ? 1 : 1.18,
-  });
+  drawing.draw(shown, { view: scenes[scene].view, most: quantity.most / (quantity.scale ?? 1), ink, swell: 1.18 });
 }
 
 // Asks the worker for the next frame: as much time later as has passed since it was asked before.

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/core/rotation.hpp>
+#include <silt/coupled.hpp>
 #include <silt/dem.hpp>
 #include <silt/dem/setup/random.hpp>
 #include <silt/measure/energy.hpp>
@@ -21,6 +22,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -63,17 +65,62 @@ class Scene {
 
   // Takes the state at time() for the functions below.
   virtual void observe(Quantity quantity) = 0;
-  // x, y, radius [m], quantity, angle [rad] of each particle.
+  // x, y, radius [m], quantity, angle [rad], and 1 of a grain, 0 of fluid, of each particle.
   const std::vector<float>& picture() const { return picture_; }
   // x, y of both ends of each line [m].
   const std::vector<float>& walls() const { return walls_; }
   const Curves& curves() const { return curves_; }
 
  protected:
+  template <class P, class RadiusOf>
+  void add_to_picture(const P& particles, Quantity quantity, RadiusOf&& radius_of) {
+    for (Index i = 0; i < particles.size(); ++i) {
+      const Vec<2> x = particles[position][i];
+      for (const double number :
+           {x[0], x[1], radius_of(particles, i), value(particles, i, quantity),
+            angle_of(particles, i), P::template has<spin_t> ? 1.0 : 0.0}) {
+        picture_.push_back(float(number));
+      }
+    }
+  }
+  void show_walls(const std::vector<Line>& lines) {
+    walls_.clear();
+    for (const Line& line : lines) {
+      for (const double number : {line.from[0], line.from[1], line.to[0], line.to[1]}) {
+        walls_.push_back(float(number));
+      }
+    }
+  }
+
   std::vector<float> picture_;
   std::vector<float> walls_;
   Curves curves_;
+
+ private:
+  template <class P>
+  static double value(const P& particles, Index i, Quantity quantity) {
+    if constexpr (P::template has<spin_t>) {
+      if (quantity == Quantity::spin) return std::abs(particles[spin][i]);
+    } else {
+      if (quantity == Quantity::pressure) return particles[mps::pressure][i];
+    }
+    return particles[velocity][i].norm();
+  }
+  template <class P>
+  static double angle_of(const P& particles, Index i) {
+    if constexpr (P::template has<angle_t>) {
+      return std::remainder(particles[silt::angle][i], 2 * std::numbers::pi);
+    }
+    return 0;
+  }
 };
+
+// The gravity of a scene that is turned by an angle [rad], against the clock.
+inline Vec<2> turned_gravity(double angle) {
+  // Exactly that of the program.
+  if (angle == 0) return {0, -g};
+  return {g * std::sin(angle), -g * std::cos(angle)};
+}
 
 // Run::until is reached within this, see core/run.hpp: the scene then makes the same steps.
 inline double almost(double until) { return until * (1 - 1e-12); }
@@ -102,50 +149,20 @@ class SceneOf final : public Scene {
   std::uint64_t hash() const override { return portability::hash_of(simulation_); }
 
   void tilt(double angle) override {
-    gravity_ = {g * std::sin(angle), -g * std::cos(angle)};
-    // Exactly the gravity of the program.
-    if (angle == 0) gravity_ = {0, -g};
+    gravity_ = turned_gravity(angle);
     setup_.tilt(simulation_, gravity_);
   }
 
   void observe(Quantity quantity) override {
     const auto particles = simulation_.snapshot();
     picture_.clear();
-    for (Index i = 0; i < particles.size(); ++i) {
-      const Vec<2> x = particles[position][i];
-      for (const double number : {x[0], x[1], setup_.radius(particles, i),
-                                  value(particles, i, quantity), angle(particles, i)}) {
-        picture_.push_back(float(number));
-      }
-    }
-    walls_.clear();
-    for (const Line& line : setup_.lines(simulation_)) {
-      for (const double number : {line.from[0], line.from[1], line.to[0], line.to[1]}) {
-        walls_.push_back(float(number));
-      }
-    }
+    add_to_picture(particles, quantity,
+                   [&](const auto& all, Index i) { return setup_.radius(all, i); });
+    show_walls(setup_.lines(simulation_));
     curves_ = setup_.curves(simulation_, particles, gravity_);
   }
 
  private:
-  using Particles = std::remove_cvref_t<
-      decltype(std::declval<Setup&>().simulation().particles())>;
-
-  static double value(const Particles& particles, Index i, Quantity quantity) {
-    if constexpr (Particles::template has<spin_t>) {
-      if (quantity == Quantity::spin) return std::abs(particles[spin][i]);
-    } else {
-      if (quantity == Quantity::pressure) return particles[mps::pressure][i];
-    }
-    return particles[velocity][i].norm();
-  }
-  static double angle(const Particles& particles, Index i) {
-    if constexpr (Particles::template has<angle_t>) {
-      return std::remainder(particles[silt::angle][i], 2 * std::numbers::pi);
-    }
-    return 0;
-  }
-
   Setup setup_;
   decltype(std::declval<Setup&>().simulation()) simulation_;
   Vec<2> gravity_{0, -g};
@@ -413,13 +430,117 @@ inline OfGrains hopper(double R, double opening, double friction_angle, double r
           .hopper = opening};
 }
 
+// --- both ----------------------------------------------------------------------------------------
+
+// Drag of a disc per metre of depth, C = (0.93 + 2.4/√Re)² of a single cylinder about, and ε⁻².
+struct DiscDrag {
+  static constexpr int dimension = 2;
+  static double coefficient(const coupled::GrainInFluid& at) {
+    const double root = 0.93 * std::sqrt(at.reynolds()) + 2.4;
+    return root * root * at.viscosity / (2 * at.fluid_fraction * at.fluid_fraction);
+  }
+};
+
+inline auto landslide(double spacing, double depth, const std::vector<Vec<2>>& basin,
+                      const mps::FluidInMixture<2>& water, const coupled::GrainsInFluid<2>& slide,
+                      const std::shared_ptr<Vec<2>>& added_gravity) {
+  const dem::CundallStrack law{.normal_stiffness = 1e6,
+                               .tangential_stiffness = 3e5,
+                               .restitution = 0.5,
+                               .friction_angle = 0.4};
+  const mps::Flow<mps::InMixture<>> flow{
+      {.spacing = spacing,
+       .density = 1000,
+       .viscosity = 1e-6,
+       .speed_scale = std::sqrt(9.81 * depth),
+       .walls = {.segments = polyline(basin)},
+       .body_force = [added_gravity](const Vec<2>&, double) { return *added_gravity; }}};
+  return coupled::Coupled{
+      Simulation{slide, NeighbourList<2>{},
+                 Forces{Gravity<2>{{0, -g}}, dem::Contacts{law, dem::Polyline<>{basin}},
+                        coupled::FluidForces{DiscDrag{}}},
+                 Leapfrog{}},
+      Simulation{water, UniformGrid<2>{}, flow, SemiImplicit<>{}}};
+}
+
+class Landslide final : public Scene {
+ public:
+  Landslide(double spacing, double depth, double slope, double diameter, double density)
+      : spacing_(spacing) {
+    require_positive("landslide: slope", slope);
+    require_positive("landslide: diameter", diameter);
+    const double foot = 0.8, top = slope * foot;
+    basin_ = {{0, top}, {foot, 0}, {2, 0}, {2, top}, {0, top}};
+    const auto above_slope = [&](const Vec<2>& x) {
+      return (x[1] - slope * (foot - x[0])) / std::sqrt(1 + slope * slope);
+    };
+    mps::FluidInMixture<2> water;
+    for (const auto& x : lattice<2>({{0, 0}, {2, whole(depth, spacing)}}, spacing)) {
+      if (above_slope(x) < 0.45 * spacing) continue;
+      mps::add_particle(water, x, mps::Kind::fluid);
+    }
+    coupled::GrainsInFluid<2> slide;
+    const double highest = std::min(depth + 0.4, top - diameter / 2);
+    for (const auto& x : lattice<2>({{0, depth + 0.1}, {foot, highest}}, 1.05 * diameter)) {
+      if (above_slope(x) < diameter / 2 || above_slope(x) > 0.1) continue;
+      dem::add_grain(slide, x, {.radius = diameter / 2, .density = density});
+    }
+    both_.emplace(landslide(spacing, depth, basin_, water, slide, added_gravity_));
+  }
+
+  int step_until(double until, int most) override {
+    int steps = 0;
+    for (; steps < most && time() < almost(until); ++steps) both_->step();
+    return steps;
+  }
+  double time() const override { return both_->time(); }
+  double time_step() override {
+    return both_->steps() > 0 ? both_->last_time_step() : both_->time_step();
+  }
+  Index size() const override {
+    return both_->fluid().particles().size() + both_->grains().particles().size();
+  }
+  std::uint64_t hash() const override { return portability::hash_of(*both_); }
+
+  void tilt(double angle) override {
+    gravity_ = turned_gravity(angle);
+    *added_gravity_ = gravity_ - Vec<2>{0, -g};
+    both_->grains().interaction().template part<0>() = Gravity<2>{gravity_};
+  }
+
+  void observe(Quantity quantity) override {
+    const auto water = both_->fluid().snapshot();
+    const auto grains = both_->grains().snapshot();
+    picture_.clear();
+    add_to_picture(water, quantity, [&](const auto&, Index) { return spacing_ / 2; });
+    add_to_picture(grains, quantity, [](const auto& all, Index i) { return all[radius][i]; });
+    show_walls(polygon(basin_));
+    const double mass = 1000 * spacing_ * spacing_;
+    curves_ = {.kinetic = kinetic_energy(grains) + rotational_energy(grains),
+               .potential = potential_energy(grains, gravity_)};
+    for (Index i = 0; i < water.size(); ++i) {
+      curves_.kinetic += mass * water[velocity][i].squaredNorm() / 2;
+      curves_.potential -= mass * gravity_.dot(water[position][i]);
+    }
+  }
+
+ private:
+  using Both = decltype(landslide(1, 1, {}, {}, {}, {}));
+
+  double spacing_;
+  std::vector<Vec<2>> basin_;
+  std::shared_ptr<Vec<2>> added_gravity_ = std::make_shared<Vec<2>>(Vec<2>::Zero());
+  std::optional<Both> both_;
+  Vec<2> gravity_{0, -g};
+};
+
 // --- all -----------------------------------------------------------------------------------------
 
-inline constexpr std::array names{"dam_break", "tower",      "vibrating_floor",
-                                  "hopper",    "wave_maker", "floating_body"};
+inline constexpr std::array names{"dam_break",  "tower",         "vibrating_floor", "hopper",
+                                  "wave_maker", "floating_body", "landslide"};
 
 // The end of the program of the same name [s].
-inline constexpr std::array ends{1.0, 1.5, 2.0, 2.5, 3.0, 2.0};
+inline constexpr std::array ends{1.0, 1.5, 2.0, 2.5, 3.0, 2.0, 2.0};
 
 // More take a browser seconds for a step, and many more exceed the memory of the module.
 inline constexpr double max_particles = 20000;
@@ -432,9 +553,15 @@ inline double estimated_size(Index scene, const std::array<double, 5>& numbers) 
                                  numbers[0],
                                  0.56 * 0.32,
                                  1.8 * std::min(numbers[1], 0.6),
-                                 1.6 * 0.5}[scene];
-  const double side = std::array{numbers[0],        2 * numbers[0], 0.02,
-                                 2.45 * numbers[0], numbers[0],     numbers[0]}[scene];
+                                 1.6 * 0.5,
+                                 1.6 * std::min(numbers[1], 1.0)}[scene];
+  const double side = std::array{numbers[0],
+                                 2 * numbers[0],
+                                 0.02,
+                                 2.45 * numbers[0],
+                                 numbers[0],
+                                 numbers[0],
+                                 std::min(numbers[0], 2 * numbers[3])}[scene];
   return side > 0 ? area / (side * side) : 0;
 }
 
@@ -459,14 +586,17 @@ inline std::unique_ptr<Scene> make_scene(Index scene, const std::array<double, 5
       return std::make_unique<SceneOf<OfWater>>(wave_maker(a, b, c, d));
     case 5:
       return std::make_unique<SceneOf<OfWater>>(floating_body(a, b, c, d, e));
+    case 6:
+      return std::make_unique<Landslide>(a, b, c, d, e);
     default:
-      fail("live: scene = " + std::to_string(scene) + " does not exist; give one below 6");
+      fail("live: scene = " + std::to_string(scene) + " does not exist; give one below 7");
   }
 }
 
 // Of the programs.
 inline constexpr std::array<double, 5> defaults[] = {
-    {0.028, 0.4, 0.8, 1e-6},   {0.0125, 0.46, 0.5, 0.5}, {0.16, 0.012, 9, 0.6, 0.3},
-    {0.0095, 0.12, 0.46, 0.5}, {0.02, 0.24, 0.08, 1.1},  {0.025, 0.3, 0.2, 0.5, 0.5}};
+    {0.028, 0.4, 0.8, 1e-6},     {0.0125, 0.46, 0.5, 0.5}, {0.16, 0.012, 9, 0.6, 0.3},
+    {0.0095, 0.12, 0.46, 0.5},   {0.02, 0.24, 0.08, 1.1},  {0.025, 0.3, 0.2, 0.5, 0.5},
+    {0.025, 0.2, 1, 0.016, 2500}};
 
 }  // namespace live

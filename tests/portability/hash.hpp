@@ -46,4 +46,17 @@ std::uint64_t hash_of(const Simulation& simulation) {
   return hash.value();
 }
 
+// Of all simulations that are one, such as grains and the fluid around them.
+template <class Simulations>
+  requires requires(const Simulations& all) {
+    all.for_each_simulation([](const char*, const auto&) {});
+  }
+std::uint64_t hash_of(const Simulations& all) {
+  std::uint64_t sum = 0;
+  all.for_each_simulation([&](const char*, const auto& simulation) {
+    sum = 0x9e3779b97f4a7c15 * sum + hash_of(simulation);
+  });
+  return sum;
+}
+
 }  // namespace silt::portability

@@ -29,7 +29,7 @@ class OwnDensity {
     const double n0 = lattice_values<Dim, K>(radius, kernel).n0;
     for (Index k = 0; k <= intervals; ++k) {
       const double size = 1 + (largest_size() - 1) * double(k) / double(intervals);
-      const double volume = std::pow(size, Dim);
+      const double volume = size * size * (Dim == 3 ? size : 1);
       values_[k] = Real(n0 - volume * lattice_values<Dim, K>(radius / size, kernel).n0);
     }
     values_[0] = 0;
@@ -43,13 +43,20 @@ class OwnDensity {
   static double radius_for(double volume) { return least_radius * std::pow(volume, 1.0 / Dim); }
   /// V is at most largest_volume().
   Real operator()(Real volume) const {
-    const Real size = Dim == 2 ? std::sqrt(volume) : std::cbrt(volume);
+    const Real size = Dim == 2 ? std::sqrt(volume) : cube_root(volume);
     const Real place = (size - 1) / Real(largest_size() - 1) * Real(intervals);
     const Index k = std::min(Index(std::max(place, Real(0))), intervals - 1);
     return values_[k] + (place - Real(k)) * (values_[k + 1] - values_[k]);
   }
 
  private:
+  // Of a V above 1, by Newton's method: the last bit of std::cbrt is that of a C library.
+  static Real cube_root(Real volume) {
+    Real root = (2 + volume) / 3;
+    for (int n = 0; n < 7; ++n) root = (2 * root + volume / (root * root)) / 3;
+    return root;
+  }
+
   static constexpr Index intervals = 256;
   // Of a lattice, over its spacing: 8 neighbours in 2D, 18 in 3D.
   static constexpr double least_radius = 1.5;
