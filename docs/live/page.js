@@ -333,7 +333,7 @@ function step() {
 
 // --- the program ---------------------------------------------------------------------------------
 
-const words = /(\/\/[^\n]*)|("[^"\n]*"|<[a-z_/.]+>)|\b(int|const|constexpr|double|auto|using|namespace|try|catch|return|for|char)\b|(#include)/g;
+const words = /(\/\/[^\n]*)|("[^"\n]*"|<[a-z_/.]+>)|\b(int|const|constexpr|double|auto|using|namespace|try|catch|return|for|if|continue|struct|static|char)\b|(#include)/g;
 
 // The text as nodes with colours.
 function highlighted(text) {

@@ -94,7 +94,7 @@ export const scenes = [
       { name: 'spacing', label: 'Particle spacing of the water', unit: 'm', value: 0.025, least: 0.016, most: 0.04, step: 0.001, digits: 3 },
       { name: 'depth', label: 'Depth of the water', unit: 'm', value: 0.2, least: 0.1, most: 0.3, step: 0.02, digits: 2 },
       { name: 'slope', label: 'Slope, rise over run', unit: '', value: 1, least: 0.6, most: 1.2, step: 0.05, digits: 2 },
-      { name: 'diameter', label: 'Diameter of the discs', unit: 'm', value: 0.016, least: 0.008, most: 0.024, step: 0.001, digits: 3 },
+      { name: 'diameter', label: 'Diameter of the discs', unit: 'm', value: 0.016, least: 0.008, most: 0.016, step: 0.001, digits: 3 },
       { name: 'density', label: 'Density of the discs', unit: 'kg/m³', value: 2500, least: 1100, most: 8000, step: 100, digits: 0 },
     ],
     quantities: [speed(1.5)],

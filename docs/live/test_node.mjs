@@ -60,6 +60,24 @@ scenes.forEach((scene, k) => {
     .includes(`constexpr double ${number.name} = 77;`)), `${scene.name}: each slider changes the program`);
 });
 
+// The ends of the sliders of the landslide run, and so does it when it is tilted: grains among water are
+// refused where too few neighbours are left.
+const slide = scenes.findIndex((scene) => scene.name === 'landslide');
+const slideDefaults = scenes[slide].numbers.map((number) => number.value);
+scenes[slide].numbers.forEach((number, n) => {
+  for (const end of [number.least, number.most]) {
+    let failure = '';
+    try {
+      silt.start(slide, slideDefaults.map((value, m) => m === n ? end : value));
+      silt.tilt(0.5);
+      silt.stepUntil(0.6, 2 ** 30);
+    } catch (error) {
+      failure = error.message;
+    }
+    check(failure === '', `landslide: ${number.name} = ${end}, tilted ${failure}`);
+  }
+});
+
 function message(scene, numbers) {
   try {
     silt.start(scene, numbers);

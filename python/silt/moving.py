@@ -62,7 +62,7 @@ def faces_of_sphere(centre, radius: float, edge: float) -> np.ndarray:
 
     centre    3 numbers [m]
     radius    of the sphere [m]
-    edge      length of the edges, at most about [m], at least a thousandth of the radius
+    edge      length of the edges, at most about [m], at least a hundredth of the radius
 
     Returns an array of shape (n, 3, 3), the corners of triangles [m].
     """
@@ -290,8 +290,9 @@ class FloatingBody:
                          given
     keeps_orientation    it does not turn
     radius               of a disc or a sphere, about the centre of its volume: its contacts are those of this shape,
-                         and its faces, such as those of faces_of_disc(), those of the water only; 0: its contacts are
-                         those of its faces [m]
+                         and its faces, such as those of faces_of_disc(), those of the water only. Begin a spacing l0
+                         away from walls and other bodies; as it rolls, its speed is its spin times radius + l0/2. 0: its
+                         contacts are those of its faces [m]
     friction             coefficient of its friction on walls, and on other bodies, of which the smaller one counts
     load                 load(state, time) of springs, moorings and the like: returns force [N] and torque about the
                          centre of mass [N m], a number in 2D, such as ((0, 1), 0). It must be a function of the

@@ -180,7 +180,14 @@ TEST(RoundBodies, RefuseOtherShapes) {
   const auto box = polyline({{0.2, 0.2}, {0.4, 0.2}, {0.4, 0.4}, {0.2, 0.4}, {0.2, 0.2}});
   const auto disc = faces_of_disc({0.3, 0.3}, radius, 0.05);
   EXPECT_TRUE(refuses([&] { run({.faces = box, .density = 500, .radius = radius}); },
-                      {"body 0: radius = 0.1 m", "0.14", "faces_of_disc()"}));
+                      {"body 0: radius = 0.1 m", "of a radius of 0.112838 m", "faces_of_disc()"}));
+  const double half = radius * std::sqrt(std::numbers::pi) / 2;  // of the same area
+  const auto as_large = faces_of(Box<2>{{0.3 - half, 0.3 - half}, {0.3 + half, 0.3 + half}});
+  EXPECT_TRUE(refuses([&] { run({.faces = as_large, .density = 500, .radius = radius}); },
+                      {"body 0: radius = 0.1 m", "0.125", "faces_of_disc()"}));
+  const auto on_floor = faces_of_disc({0.3, radius}, radius, 0.05);
+  EXPECT_TRUE(refuses([&] { run({.faces = on_floor, .density = 500, .radius = radius}); },
+                      {"body 0", "away from its radius", "begin a spacing away"}));
   EXPECT_TRUE(refuses([&] { run({.faces = disc, .density = 500, .radius = -1}); },
                       {"body 0: radius", "-1"}));
   EXPECT_TRUE(refuses([&] { run({.faces = disc, .density = 500, .radius = std::nan("")}); },

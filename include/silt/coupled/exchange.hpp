@@ -94,6 +94,7 @@ class Exchange {
   }
 
   /// u, its vorticity, ε, −χ V ∇P and the mobility of the fluid around each grain.
+  /// acceleration_at(x) is that of gravity and the body force at x [m/s²].
   /// coefficient_of(diameter, ε, speed, χ) is β of a grain, see FluidForces::coefficient(); the
   /// step has this length [s].
   template <class CoefficientOf, class AccelerationAt>

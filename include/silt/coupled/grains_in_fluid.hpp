@@ -14,7 +14,7 @@ namespace silt::coupled {
 inline constexpr struct fluid_velocity_t : vector_field, constant_field {
 } fluid_velocity{};  ///< undisturbed u of the fluid around a grain [m/s]
 inline constexpr struct fluid_acceleration_t : vector_field, constant_field {
-} fluid_acceleration{};  ///< of that fluid by gravity and pressure [m/s²]
+} fluid_acceleration{};  ///< of that fluid by gravity, body force and pressure [m/s²]
 inline constexpr struct fluid_vorticity_t : spin_field, constant_field {
 } fluid_vorticity{};  ///< ∇ × u of that fluid [1/s]; set if there is a lift
 inline constexpr struct own_wake_t : vector_field, constant_field {

@@ -29,8 +29,8 @@ struct OwnWake {
 
   /// K [1/kg].
   double mobility() const {
-    return (Dim - 1.0) / Dim /
-           (density * std::pow(4 * std::numbers::pi * squared(width), Dim / 2.0));
+    const double area = 4 * std::numbers::pi * squared(width);
+    return (Dim - 1.0) / Dim / (density * (Dim == 2 ? area : area * std::sqrt(area)));
   }
   /// 1/τ of a speed w [m/s] and a rate λ [1/s].
   double decay(double speed, double of_others) const {

@@ -52,7 +52,7 @@ void require_ball(const std::string& name, const Vec<Dim>& centre, double R, dou
   require_finite((name + ": centre").c_str(), centre);
   require_positive(name + ": radius", R);
   require_positive(name + ": edge", edge);
-  constexpr double least = 1e-3;
+  constexpr double least = Dim == 2 ? 1e-3 : 1e-2;
   if (edge >= least * R) return;
   fail({name, ": edge = ", edge, " m is less than ", least, " of the radius = ", R,
         " m; give a longer one"});
@@ -76,9 +76,9 @@ inline std::vector<Vec<3>> corners_of_icosahedron() {
 
 }  // namespace detail
 
-/// A regular polygon with the area of a disc of radius R [m] and normals outwards. The edges are at
-/// most about as long as `edge` [m]. Throws if the radius or the edge is not positive, or the edge
-/// below a thousandth of the radius.
+/// A regular polygon, of 8 sides or more, with the area of a disc of a radius R [m] around a centre
+/// [m], and normals outwards. The edges are at most about as long as `edge` [m]. Throws if R or the
+/// edge is not positive, or the edge below a thousandth of R.
 inline std::vector<Face<2>> faces_of_disc(const Vec<2>& centre, double R, double edge) {
   detail::require_ball("faces_of_disc", centre, R, edge);
   const int sides = std::max(8, static_cast<int>(std::ceil(2 * std::numbers::pi * R / edge)));
@@ -92,9 +92,9 @@ inline std::vector<Face<2>> faces_of_disc(const Vec<2>& centre, double R, double
   return polyline(corners);
 }
 
-/// Triangles that approximate a sphere of radius R [m], with its volume and normals outwards: those
-/// of an icosahedron, divided. The edges are at most about as long as `edge` [m]. Throws as
-/// faces_of_disc() does.
+/// Triangles, 80 or more, with the volume of a sphere of a radius R [m] around a centre [m], and
+/// normals outwards: an icosahedron, divided. The edges are at most about as long as `edge` [m].
+/// Throws if R or the edge is not positive, or the edge below a hundredth of R.
 inline std::vector<Face<3>> faces_of_sphere(const Vec<3>& centre, double R, double edge) {
   detail::require_ball("faces_of_sphere", centre, R, edge);
   // The angle of an icosahedron's edge is 1.107; projected parts of it are up to 1.2 times as long
@@ -102,6 +102,7 @@ inline std::vector<Face<3>> faces_of_sphere(const Vec<3>& centre, double R, doub
   const int parts = std::max(2, static_cast<int>(std::ceil(1.2 * 1.107 * R / edge)));
   const std::vector<Vec<3>> corners = detail::corners_of_icosahedron();
   std::vector<Face<3>> faces;
+  faces.reserve(20 * std::size_t(parts) * std::size_t(parts));
   double volume = 0;
   std::vector<Vec<3>> points;
   const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {

@@ -50,10 +50,10 @@ class OwnDensity {
   }
 
  private:
-  // Of a V above 1, by Newton's method: the last bit of std::cbrt is that of a C library.
+  // Of V between 1 and 10³, by Newton's method: the last bit of std::cbrt is that of a C library.
   static Real cube_root(Real volume) {
     Real root = (2 + volume) / 3;
-    for (int n = 0; n < 7; ++n) root = (2 * root + volume / (root * root)) / 3;
+    for (int n = 0; n < 14; ++n) root = (2 * root + volume / (root * root)) / 3;
     return root;
   }
 

@@ -40,39 +40,58 @@ class BodyContacts {
     places_.clear();
     double deviation = 0;
     for (const auto& body : bodies) deviation = std::max(deviation, body.deviation_of_faces());
+    // The faces of discs and spheres, by which they are found, may be farther away than they are.
+    const double near = 3 * spacing + 2 * deviation;
+    const std::uint32_t first_body = group_of_body(0);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-      const std::uint32_t first_body = group_of_body(0);
-      // A particle between them moves by less than a spacing in a step, and so do they.
-      const double near = 3 * spacing + 2 * deviation;
+      Contact contact;
+      contact.body = b;
+      const auto add = [&](std::uint32_t group, const Vec& x, const Vec& y, const Vec& normal,
+                           double distance) {
+        // A particle between them moves by less than a spacing in a step, and so do they.
+        if (!(distance < 3 * spacing)) return;
+        const bool is_of_body = group >= first_body;
+        contact.other = is_of_body ? group - first_body : bodies.size();
+        contact.friction = is_of_body
+                               ? std::min(bodies[b].friction(), bodies[contact.other].friction())
+                               : bodies[b].friction();
+        contact.x = x;
+        contact.y = y;
+        contact.normal = normal;
+        if (!is_of_body) {
+          contact.velocity_of_wall = velocity_of(group, y);
+          contact.velocity_in_middle = velocity_of(group, contact.middle());
+        }
+        // They may come closer by this in the step, and never less than now.
+        contact.approach = std::max(0.0, distance - spacing) / time_step;
+        add_if_new(contact, spacing);
+      };
+      for (std::size_t other = b + 1; other < bodies.size(); ++other) {
+        if (!(bodies[b].radius() > 0 && bodies[other].radius() > 0)) continue;
+        add_of_round(group_of_body(other), bodies[b].centre_of_volume(), bodies[b].radius(),
+                     bodies[other].centre_of_volume(), bodies[other].radius(), add);
+      }
+      std::uint32_t last_of_round = no_face;
       for_each_close_pair(
           faces, group_of_body(b), near, [&](std::uint32_t own, std::uint32_t other) {
             const std::uint32_t group = faces[other].group;
-            const bool is_of_body = group >= first_body;
-            if (is_of_body && group < group_of_body(b)) return;  // found from the other one
-            Contact contact;
-            contact.body = b;
-            contact.other = is_of_body ? group - first_body : bodies.size();
-            contact.friction = bodies[b].friction();
-            if (is_of_body) {
-              contact.friction = std::min(contact.friction, bodies[contact.other].friction());
+            if (group >= first_body && group < group_of_body(b))
+              return;  // found from the other one
+            const BodyInFlow<Dim>* const met =
+                group >= first_body ? &bodies[group - first_body] : nullptr;
+            const bool is_round = bodies[b].radius() > 0, meets_round = met && met->radius() > 0;
+            if (is_round && meets_round) return;
+            if (is_round) {
+              // The pairs of a face follow each other.
+              if (other == last_of_round) return;
+              last_of_round = other;
+              const Vec x = bodies[b].centre_of_volume();
+              return add_of_round(group, x, bodies[b].radius(), nearest_of(faces[other].face, x), 0,
+                                  add);
             }
-            const auto add = [&](const Vec& x, const Vec& y, const Vec& normal, double distance) {
-              if (!(distance < 3 * spacing)) return;
-              contact.x = x;
-              contact.y = y;
-              contact.normal = normal;
-              if (!is_of_body) {
-                contact.velocity_of_wall = velocity_of(group, y);
-                contact.velocity_in_middle = velocity_of(group, contact.middle());
-              }
-              // They may come closer by this in the step, and never less than now.
-              contact.approach = std::max(0.0, distance - spacing) / time_step;
-              add_if_new(contact, spacing);
-            };
-            const BodyInFlow<Dim>* const other_body = is_of_body ? &bodies[contact.other] : nullptr;
-            if (bodies[b].radius() > 0 || (other_body && other_body->radius() > 0)) {
-              add_of_round(bodies[b], faces[own].face, other_body, faces[other].face, add);
-              return;
+            if (meets_round) {
+              const Vec y = met->centre_of_volume();
+              return add_of_round(group, nearest_of(faces[own].face, y), 0, y, met->radius(), add);
             }
             for_each_closest_points(
                 faces[own].face, faces[other].face, [&](const Vec& x, const Vec& y) {
@@ -83,7 +102,7 @@ class BodyContacts {
                   } else if (!find_normal(faces[own], faces[other], y, touching, normal)) {
                     return;
                   }
-                  add(x, y, normal, distance);
+                  add(group, x, y, normal, distance);
                 });
           });
     }
@@ -99,38 +118,34 @@ class BodyContacts {
  private:
   using Of = typename BodyInFlow<Dim>::Of;
   static constexpr int max_iterations = 200;
+  static constexpr std::uint32_t no_face = 0xffffffff;
 
   struct Contact {
     std::size_t body = 0;
-    std::size_t other = 0;               // body, or that of all if it is a wall
-    Vec x = Vec::Zero();                 // on the body [m]
-    Vec y = Vec::Zero();                 // on the other one [m]
-    Vec normal = Vec::Zero();            // from there to the body [-]
-    Vec velocity_of_wall = Vec::Zero();  // at y [m/s]
+    std::size_t other = 0;                 // body, or that of all if it is a wall
+    Vec x = Vec::Zero();                   // on the body [m]
+    Vec y = Vec::Zero();                   // on the other one [m]
+    Vec normal = Vec::Zero();              // from there to the body [-]
+    Vec velocity_of_wall = Vec::Zero();    // at y [m/s]
     Vec velocity_in_middle = Vec::Zero();  // of the wall, too [m/s]
-    double approach = 0;                 // the fastest that is allowed [m/s]
-    double mass = 0;                     // that an impulse moves [kg]
-    double impulse = 0;                  // so far [N s]
-    double friction = 0;                 // coefficient [-]
-    Vec across = Vec::Zero();            // impulse of friction, so far [N s]
+    double approach = 0;                   // the fastest that is allowed [m/s]
+    double mass = 0;                       // that an impulse moves [kg]
+    double impulse = 0;                    // so far [N s]
+    double friction = 0;                   // coefficient [-]
+    Vec across = Vec::Zero();              // impulse of friction, so far [N s]
 
     Vec middle() const { return (x + y) / 2; }
   };
 
-  // add(x, y, normal, distance) for the closest points of a body and of a face or another body, if
-  // one of the bodies is a disc or a sphere. Their faces are those of the fluid only.
+  // add() for the closest points of two discs or spheres, or of one and a point, which has the
+  // radius 0.
   template <class Add>
-  static void add_of_round(const BodyInFlow<Dim>& body, const Face<Dim>& face,
-                           const BodyInFlow<Dim>* other, const Face<Dim>& other_face, Add&& add) {
-    const double R = body.radius(), R_of_other = other ? other->radius() : 0;
-    // The points between which the line of centres is, and then those on the surfaces.
-    Vec x = body.centre_of_volume(), y = R_of_other > 0 ? other->centre_of_volume() : x;
-    if (!(R > 0)) x = nearest_of(face, y);
-    if (!(R_of_other > 0)) y = nearest_of(other_face, x);
+  static void add_of_round(std::uint32_t group, const Vec& x, double R, const Vec& y,
+                           double R_of_other, Add&& add) {
     const double between = (x - y).norm();
     if (!(between > 0)) return;
     const Vec normal = (x - y) / between;
-    add(Vec(x - R * normal), Vec(y + R_of_other * normal), normal, between - R - R_of_other);
+    add(group, Vec(x - R * normal), Vec(y + R_of_other * normal), normal, between - R - R_of_other);
   }
   // Until they change velocities by little, compared with a scale [m/s].
   void push_all(Of which, std::vector<BodyInFlow<Dim>>& bodies, double scale) {
@@ -154,8 +169,8 @@ class BodyContacts {
       if (largest_change < 1e-9 * scale) break;
     }
   }
-  // Of faces that touch at x, to a tolerance: towards the middle of the body's one, that of the face in
-  // which the corner of the other one is, if one is in the other.
+  // Of faces that touch at x, to a tolerance: towards the middle of the body's one, that of the
+  // face in which the corner of the other one is, if one is in the other.
   static bool find_normal(const FaceOfSurface<Dim>& own, const FaceOfSurface<Dim>& other,
                           const Vec& x, double tolerance, Vec& normal) {
     const auto height_of = [](const FaceOfSurface<Dim>& plane, const FaceOfSurface<Dim>& face) {
@@ -194,10 +209,9 @@ class BodyContacts {
   static double push(Of which, std::vector<BodyInFlow<Dim>>& bodies, Contact& contact) {
     BodyInFlow<Dim>& body = bodies[contact.body];
     const bool has_other = contact.other < bodies.size();
-    const Vec relative =
-        body.velocity_at(which, contact.x) -
-        (has_other ? bodies[contact.other].velocity_at(which, contact.y)
-                   : contact.velocity_of_wall);
+    const Vec relative = body.velocity_at(which, contact.x) -
+                         (has_other ? bodies[contact.other].velocity_at(which, contact.y)
+                                    : contact.velocity_of_wall);
     const double too_fast = -contact.approach - relative.dot(contact.normal);
     const double impulse = std::max(contact.impulse + contact.mass * too_fast, 0.0);
     const double change = impulse - contact.impulse;

@@ -59,9 +59,14 @@ class BodyInFlow {
     if (body.mass_properties) {
       mass_ = *body.mass_properties;
       detail::require_valid(name, mass_);
+      const MassProperties<Dim> of_volume = mass_properties_of(name, body.faces, 1);  // or throws
+      volume_ = of_volume.mass;
+      centre_of_volume_ = of_volume.centre;
     } else {
       require_positive((name + ": density").c_str(), body.density);
       mass_ = mass_properties_of(name, body.faces, body.density);
+      volume_ = mass_.mass / body.density;
+      centre_of_volume_ = mass_.centre;
       require_positive((name + ": mass").c_str(), mass_.mass);
       if (!detail::is_inertia(mass_.inertia)) {
         fail({name, ": the moment of inertia that follows from its faces is ",
@@ -69,10 +74,9 @@ class BodyInFlow {
               " kg m²; let no faces cross each other, and all normals be outwards"});
       }
     }
-    const MassProperties<Dim> of_volume = mass_properties_of(name, body.faces, 1);  // or throws
-    volume_ = of_volume.mass;
-    centre_of_volume_ = of_volume.centre;
-    if (body.radius != 0) deviation_ = detail::deviation_of_round(name, body, centre_of_volume_);
+    if (body.radius != 0) {
+      deviation_ = detail::deviation_of_round(name, body, volume_, centre_of_volume_);
+    }
     Vec lower = body.faces[0].corners[0], upper = lower;
     for (const Face<Dim>& face : body.faces) {
       for (const Vec& corner : face.corners) {

@@ -41,7 +41,8 @@ struct FloatingBody {
   bool keeps_orientation = false;  ///< it does not turn
   /// Of a disc or a sphere [m], about the centre of its volume: contacts are those of this shape,
   /// and the faces, such as those of faces_of_disc() or faces_of_sphere(), those of the fluid only.
-  /// 0: contacts are those of its faces.
+  /// Begin a spacing l0 away from walls and other bodies; as it rolls, its speed is its spin times
+  /// radius + l0/2. 0: contacts are those of its faces.
   double radius = 0;
   /// Coefficient of its friction on walls, and on other bodies, of which the smaller one counts
   /// [-].

@@ -11,7 +11,9 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <type_traits>
 
@@ -51,11 +53,19 @@ void require_valid(const std::string& name, const MassProperties<Dim>& mass) {
 }
 
 /// How far the faces of a disc or a sphere are from its radius, at most [m]. Throws if they are
-/// those of another shape; the centre of its volume is in [m], where the faces are defined.
+/// those of another shape; its volume and the centre of that are in [m³] and [m], where the faces
+/// are defined.
 template <int Dim>
-double deviation_of_round(const std::string& name, const FloatingBody<Dim>& body,
+double deviation_of_round(const std::string& name, const FloatingBody<Dim>& body, double volume,
                           const Vec<Dim>& centre) {
   require_positive((name + ": radius").c_str(), body.radius);
+  const double of_volume = Dim == 2 ? std::sqrt(volume / std::numbers::pi)
+                                    : std::cbrt(3 * volume / (4 * std::numbers::pi));
+  if (!(std::abs(of_volume - body.radius) <= 0.01 * body.radius)) {
+    fail({name, ": radius = ", body.radius, " m, but its faces have the volume of a ",
+          Dim == 2 ? "disc" : "sphere", " of a radius of ", of_volume, " m; give the same to ",
+          Dim == 2 ? "faces_of_disc()" : "faces_of_sphere()"});
+  }
   double least = std::numeric_limits<double>::infinity(), most = 0;
   for (const Face<Dim>& face : body.faces) {
     least = std::min(least, (nearest_of(face, centre) - centre).norm());

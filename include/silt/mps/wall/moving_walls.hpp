@@ -86,7 +86,7 @@ struct MovingWalls {
       for (const bool is_held : body.is_held) sum.add(std::uint64_t(is_held));
       sum.add(std::uint64_t(body.keeps_orientation));
       if (body.friction > 0) sum.add_number(body.friction);
-      if (body.radius > 0) sum.add_number(-body.radius);
+      if (body.radius > 0) sum.add_number(-body.radius);  // not as a friction
       sum.add(std::uint64_t(body.load ? 1 : 0));
     }
   }

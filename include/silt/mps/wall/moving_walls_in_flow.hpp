@@ -301,8 +301,18 @@ class MovingWallsInFlow final : public WallMover<Dim> {
     }
     return solid;
   }
+  // Where faces go through others: those of a disc or a sphere are not where its contacts are.
   auto names() const {
-    return [this](std::uint32_t group) { return name_of(group); };
+    return [this](std::uint32_t group) {
+      std::string name = name_of(group);
+      if (group < group_of_body(0)) return name;
+      const double away = bodies_[group - group_of_body(0)].deviation_of_faces();
+      if (away > 0) {
+        name += " (whose faces are up to " + to_text(away) +
+                " m away from its radius: let it begin a spacing away from all others)";
+      }
+      return name;
+    };
   }
   std::vector<PrescribedMotion<Dim>> groups_;
   std::vector<BodyInFlow<Dim>> bodies_;  // their groups follow those
