@@ -55,13 +55,7 @@ def fluidised_bed(folder, count):
     return film(run, count, (420, 720), (-0.02, width + 0.02), (-0.02, 0.64), 0.3, 0.05, walls)
 
 
-def submerged_collapse(folder, count):
-    run = GrainsInWater(folder)
-    walls = [(0, 0.1), (0, 0), (run.options["tank"], 0), (run.options["tank"], 0.1)]
-    return film(run, count, (840, 330), (-0.004, run.options["tank"] + 0.004), (-0.006, 0.1), 0.1, 0.02, walls)
-
-
-FILMS = (landslide, fluidised_bed, submerged_collapse)
+FILMS = (landslide, fluidised_bed)
 
 if __name__ == "__main__":
     draw_one_of(FILMS, "Draws a film of the gallery with grains in water.", 60, {})

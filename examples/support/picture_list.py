@@ -230,6 +230,7 @@ STEPS = [
 SOURCES += STEPS
 MOVING = "draw_gallery_moving.py"
 IN_WATER = "draw_gallery_grains.py"
+COLLAPSE = "draw_gallery_collapse.py"
 GALLERY = [
     GalleryItem("broken_tower_3d", "broken_tower",
                 {"dimension": 3, "columns": 8, "depth": 8, "until": 1.6, "output-every": 0.04},
@@ -287,8 +288,9 @@ GALLERY = [
                  "friction-angle": 15, "until": 5, "output-every": 0.08},
                 {"spacing": 0.025, "width": 0.15, "bed": 0.06, "until": 0.2}, IN_WATER),
     GalleryItem("submerged_collapse", "submerged_collapse",
-                {"until": 2, "output-every": 0.04},
-                {"length": 0.03, "height": 0.02, "depth": 0.03, "tank": 0.09, "until": 0.05}, IN_WATER),
+                {"dimension": 3, "spacing": 0.0045, "diameter": 0.003, "stiffness": 300, "restitution": 0.3,
+                 "friction-angle": 26.6, "viscosity": 1.2e-5, "until": 2, "output-every": 0.04},
+                {"length": 0.03, "height": 0.02, "depth": 0.03, "tank": 0.09, "until": 0.05}, COLLAPSE),
     GalleryItem("quickstart_tower", "quickstart_tower"),
     GalleryItem("quickstart_dam", "quickstart_dam"),
     GalleryItem("own_field", "own_field"),
