@@ -45,6 +45,7 @@ class Exchange {
   using Real = typename G::Real;
   using Vec = typename G::Vec;
 
+  /// Of grains and a fluid with these settings.
   explicit Exchange(const ExchangeSettings& settings)
       : settings_(settings),
         reach_(Real(Weights<dimension, Real>::reach_for(settings.radius) * settings.spacing)),
