@@ -15,6 +15,8 @@
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/mindlin_deresiewicz.hpp>
+#include <silt/dem/law/plastic_cohesive.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 #include <silt/dem/law/walton_braun.hpp>
 #include <silt/dem/measure/coordination.hpp>

@@ -8,6 +8,8 @@
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/mindlin_deresiewicz.hpp>
+#include <silt/dem/law/plastic_cohesive.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 #include <silt/dem/law/walton_braun.hpp>
 
@@ -58,11 +60,21 @@ TEST(ConformanceOfLaws, WaltonBraunPassesWithFriction) {
   }
 }
 
+TEST(ConformanceOfLaws, PlasticCohesivePassesWithFriction) {
+  const dem::PlasticCohesive powder{
+      .loading_stiffness = 1e6, .unloading_stiffness = 5e6, .cohesive_stiffness = 1e6};
+  expect_sound(dem::Law{powder, friction});
+  dem::PlasticCohesive damped = powder;
+  damped.dashpot = 1;
+  expect_sound(dem::Law{damped, friction});
+}
+
 TEST(ConformanceOfLaws, HertzAndMindlinPass) {
   const dem::Elastic glass{.young_modulus = 5e9, .poisson_ratio = 0.2};
   const dem::Hertz hertz{.elastic = glass, .restitution = 0.8};
   expect_sound(dem::Law{hertz});
   expect_sound(dem::Law{hertz, dem::Mindlin{.elastic = glass, .friction_angle = 0.4}});
+  expect_sound(dem::Law{hertz, dem::MindlinDeresiewicz{.elastic = glass, .friction_angle = 0.4}});
 }
 
 TEST(ConformanceOfLaws, RollingResistancePassesWithLinearSpringsAndHertz) {

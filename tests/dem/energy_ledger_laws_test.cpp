@@ -4,6 +4,7 @@
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
+#include <silt/dem/law/plastic_cohesive.hpp>
 #include <silt/dem/law/walton_braun.hpp>
 
 #include "support/ledger.hpp"
@@ -43,6 +44,17 @@ TEST(EnergyLedgerOf, LinearSpringDashpot) {
 
 TEST(EnergyLedgerOf, WaltonBraun) {
   const dem::Law law{dem::WaltonBraun{.loading_stiffness = 1e6, .restitution = 0.8}, friction};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, PlasticCohesive) {
+  const dem::Law law{dem::PlasticCohesive{.loading_stiffness = 1e6,
+                                          .unloading_stiffness = 4e6,
+                                          .cohesive_stiffness = 1e6,
+                                          .dashpot = 1},
+                     friction};
   expect_to_close_at_moving_walls(law);
   expect_to_keep_momenta(law);
   expect_second_order(law);

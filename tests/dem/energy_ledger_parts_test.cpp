@@ -7,6 +7,7 @@
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/mindlin_deresiewicz.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 
 #include "support/ledger.hpp"
@@ -34,6 +35,13 @@ TEST(LossesOfContacts, AddUpByCause) {
 
 TEST(EnergyLedgerOf, HertzAndMindlin) {
   const dem::Law law{hertz, mindlin};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, PartialSlip) {
+  const dem::Law law{hertz, dem::MindlinDeresiewicz{.elastic = soft, .friction_angle = 0.4}};
   expect_to_close_at_moving_walls(law);
   expect_to_keep_momenta(law);
   expect_second_order(law);

@@ -332,6 +332,39 @@ TEST(Law, ThrowsForAComponentOutOfRange) {
                       {"DmtAdhesion: surface_energy = -1"}));
 }
 
+TEST(Materials, HaveTheGivenLawsOfPairs) {
+  const auto spring = [](double k) { return dem::CundallStrack{.normal_stiffness = k}; };
+  const dem::Materials mixed{spring(1), spring(3)};
+  EXPECT_EQ(mixed.between(0, 1).normal_stiffness, 1.5);
+  const auto given = mixed.with_pair(0, 1, spring(7));
+  EXPECT_EQ(given.between(0, 1).normal_stiffness, 7);
+  EXPECT_EQ(given.between(1, 0).normal_stiffness, 7);
+  EXPECT_EQ(given.between(1, 1).normal_stiffness, 3);
+  // A law without mix().
+  struct Spring {
+    double k = 0;
+    Vec<2> force(const dem::Contact<2, double>& c) const { return k * c.overlap * c.normal; }
+  };
+  const auto three = dem::Materials<Spring>::of_pairs({{{1}, {2}, {3}}, {{4}, {5}}, {{6}}});
+  const double expected[3][3] = {{1, 2, 3}, {2, 4, 5}, {3, 5, 6}};
+  for (std::uint32_t a = 0; a < 3; ++a) {
+    for (std::uint32_t b = 0; b < 3; ++b) EXPECT_EQ(three.between(a, b).k, expected[a][b]);
+  }
+}
+
+TEST(Materials, RejectTablesThatAreNotOfPairs) {
+  const dem::CundallStrack a{.normal_stiffness = 1};
+  using Materials = dem::Materials<dem::CundallStrack>;
+  EXPECT_TRUE(refuses([&] { Materials::of_pairs({}); }, {"of_pairs: there is no row"}));
+  EXPECT_TRUE(refuses([&] { Materials::of_pairs({{a, a}, {a, a}}); },
+                      {"row 1 has 2 laws, but there are 2 rows; give the 1 laws of material 1"}));
+  EXPECT_TRUE(refuses([&] { Materials::of_pairs({{a}, {a}}); }, {"row 0 has 1 laws"}));
+  EXPECT_TRUE(refuses([&] { Materials::of_pairs({{a, {}}, {a}}); }, {"normal_stiffness = 0"}));
+  EXPECT_TRUE(refuses([&] { Materials({a}).with_pair(0, 1, a); },
+                      {"with_pair: material 1 does not exist: there are only 1"}));
+  EXPECT_TRUE(refuses([&] { Materials({a}).with_pair(0, 0, {}); }, {"normal_stiffness = 0"}));
+}
+
 TEST(Materials, RejectDashpotsThatCannotBeMixed) {
   const dem::CundallStrack by_restitution{.normal_stiffness = 1e5, .restitution = 0.5};
   const dem::CundallStrack by_beta{.normal_stiffness = 1e5, .beta = 1e-5};

@@ -11,6 +11,8 @@
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
+#include <silt/dem/law/mindlin_deresiewicz.hpp>
+#include <silt/dem/law/plastic_cohesive.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 #include <silt/dem/law/walton_braun.hpp>
 
@@ -115,12 +117,15 @@ std::vector<NamedLaw<Dim>> all_laws() {
   const dem::LinearSpringDashpot limited{
       .normal_stiffness = 1e6, .restitution = 0.5, .limit_damping = true};
   const dem::WaltonBraun plastic{.loading_stiffness = 1e6, .restitution = 0.8};
+  const dem::PlasticCohesive cohesive{
+      .loading_stiffness = 1e6, .unloading_stiffness = 2e6, .cohesive_stiffness = 2e5};
   const dem::LinearFriction friction{.tangential_stiffness = 5e5, .friction_angle = 0.4};
   const dem::Elastic rubber{.young_modulus = 5e8, .poisson_ratio = 0.3};
   const dem::Hertz hertz{.elastic = rubber, .restitution = 0.8};
   const dem::Mindlin mindlin{.elastic = rubber, .friction_angle = 0.4};
   const dem::Mindlin displacement{
       .elastic = rubber, .friction_angle = 0.4, .keeps_displacement = true};
+  const dem::MindlinDeresiewicz partial_slip{.elastic = rubber, .friction_angle = 0.4};
   const dem::RollingResistance rolling{.rolling_friction = 0.2, .twisting_friction = 0.1};
   const auto law = [](const auto& any) { return AnyLaw<Dim>(any); };
   return {
@@ -133,9 +138,11 @@ std::vector<NamedLaw<Dim>> all_laws() {
       {"LinearSpringDashpot and cohesion",
        law(dem::Law{spring, dem::ConstantCohesion{.pull = 0.1}})},
       {"WaltonBraun and friction", law(dem::Law{plastic, friction})},
+      {"PlasticCohesive and friction", law(dem::Law{cohesive, friction})},
       {"Hertz", law(dem::Law{hertz})},
       {"Hertz and Mindlin", law(dem::Law{hertz, mindlin})},
       {"Hertz and Mindlin by displacement", law(dem::Law{hertz, displacement})},
+      {"Hertz with partial slip", law(dem::Law{hertz, partial_slip})},
       {"Hertz, Mindlin, rolling resistance and adhesion",
        law(dem::Law{hertz, mindlin, rolling, dem::DmtAdhesion{.surface_energy = 1}})},
   };

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/dem/contact/chung_ooi.hpp>
+#include <silt/dem/law/mindlin_deresiewicz.hpp>
 
 #include "support/grains.hpp"
 
@@ -13,9 +14,10 @@
 namespace silt::test {
 
 enum class ImpactForm {
-  by_default,  ///< Mindlin and the lever arm of Silt
-  published,   ///< dem::chung_ooi_law, dem::chung_ooi_settings
-  inferred,    ///< the same with the Inferred of the bodies
+  by_default,    ///< Mindlin and the lever arm of Silt
+  published,     ///< dem::chung_ooi_law, dem::chung_ooi_settings
+  inferred,      ///< the same with the Inferred of the bodies
+  partial_slip,  ///< Mindlin and Deresiewicz
 };
 
 /// A change of the published form, inferred from a published curve that it does not give.
@@ -167,7 +169,12 @@ inline ObliqueMotion bounce(const ObliqueBodies& bodies, const ObliqueMotion& be
     return dem::Law{hertz(elastic),
                     SumLimitedMindlin{.elastic = elastic, .friction = bodies.friction}};
   };
+  const auto partial_slip_law = [&](const dem::Elastic& elastic) {
+    return dem::Law{hertz(elastic),
+                    dem::MindlinDeresiewicz{.elastic = elastic, .friction_angle = angle}};
+  };
   if (form == ImpactForm::by_default) return run(default_law, {});
+  if (form == ImpactForm::partial_slip) return run(partial_slip_law, {});
   if (change.limited_sum) return run(sum_limited_law, dem::chung_ooi_settings);
   return run(published_law, dem::chung_ooi_settings);
 }

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
-// A material is a set of parameters of a law. Law::mix(a, b) gives the law between two materials.
+// A material is a set of parameters of a law. Law::mix(a, b) gives the law between two materials,
+// unless the law of the pair is given:
+//
+//   dem::Materials{steel, rubber}.with_pair(0, 1, steel_on_rubber)
+//   dem::Materials<Law>::of_pairs({{steel, steel_on_rubber}, {rubber}})
 #pragma once
 
 #include <silt/core/error.hpp>
@@ -39,6 +43,42 @@ class Materials {
     }
   }
 
+  /// The laws of all pairs: each row has those of a material with itself and with the following
+  /// ones, {{aa, ab, ac}, {bb, bc}, {cc}}. Throws if there is no row, if one has another number of
+  /// laws, or if a parameter of a law is out of range.
+  static Materials of_pairs(std::initializer_list<std::initializer_list<Law>> rows) {
+    if (rows.size() == 0) fail("Materials::of_pairs: there is no row; give at least one law");
+    Materials all;
+    all.count_ = rows.size();
+    Index a = 0;
+    for (const auto& row : rows) {
+      if (row.size() != all.count_ - a) {
+        fail({"Materials::of_pairs: row ", a, " has ", row.size(), " laws, but there are ",
+              all.count_, " rows; give the ", all.count_ - a, " laws of material ", a,
+              " with itself and the following ones"});
+      }
+      if (all.table_.empty()) all.table_.assign(all.count_ * all.count_, *row.begin());
+      Index b = a;
+      for (const Law& law : row) all.set_pair(a, b++, law);
+      ++a;
+    }
+    return all;
+  }
+
+  /// A copy with this law between the materials a and b, instead of the mixed one. Throws if one
+  /// does not exist, or if a parameter of the law is out of range.
+  Materials with_pair(std::uint32_t a, std::uint32_t b, const Law& law) const {
+    for (const std::uint32_t number : {a, b}) {
+      if (number >= count_) {
+        fail({"Materials::with_pair: material ", number, " does not exist: there are only ", count_,
+              "; give numbers below ", count_});
+      }
+    }
+    Materials all = *this;
+    all.set_pair(a, b, law);
+    return all;
+  }
+
   /// Number of materials.
   std::uint32_t count() const noexcept { return static_cast<std::uint32_t>(count_); }
 
@@ -57,7 +97,14 @@ class Materials {
   }
 
  private:
-  Index count_;
+  Materials() = default;
+
+  void set_pair(Index a, Index b, const Law& law) {
+    if constexpr (requires { law.check(); }) law.check();
+    table_[a * count_ + b] = table_[b * count_ + a] = law;
+  }
+
+  Index count_ = 0;
   std::vector<Law> table_;
 };
 
