@@ -9,9 +9,11 @@
 #include <silt/dem/contact/chung_ooi.hpp>
 #include <silt/dem/contact/contacts.hpp>
 #include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/capillary_bridge.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/cundall_strack.hpp>
 #include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/jkr.hpp>
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>

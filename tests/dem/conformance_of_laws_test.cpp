@@ -2,9 +2,11 @@
 // The conformance checks for every contact law of the library.
 #include <silt/dem/conformance/conformance.hpp>
 #include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/capillary_bridge.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/cundall_strack.hpp>
 #include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/jkr.hpp>
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
@@ -91,6 +93,13 @@ TEST(ConformanceOfLaws, AdhesionPasses) {
                          .restitution = 0.9};
   expect_sound(dem::Law{linear, dem::ConstantCohesion{.pull = 3}});
   expect_sound(dem::Law{hertz, dem::DmtAdhesion{.surface_energy = 10}});
+  expect_sound(dem::Law{
+      hertz, dem::CapillaryBridge{.surface_tension = 70, .contact_angle = 0.2, .volume = 1e-8}});
+  const dem::Jkr jkr{.elastic = {.young_modulus = 5e9, .poisson_ratio = 0.2},
+                     .surface_energy = 10,
+                     .restitution = 0.9};
+  expect_sound(dem::Law{jkr});
+  expect_sound(dem::Law{jkr, dem::Mindlin{.elastic = jkr.elastic, .friction_angle = 0.3}});
 }
 
 }  // namespace

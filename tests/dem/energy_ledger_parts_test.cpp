@@ -2,8 +2,10 @@
 // The energy ledger for Hertz, Mindlin, rolling resistance and adhesion, with moving walls.
 // Only with --all: energy_ledger_test.cpp has one law.
 #include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/capillary_bridge.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/jkr.hpp>
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
 #include <silt/dem/law/mindlin.hpp>
@@ -42,6 +44,22 @@ TEST(EnergyLedgerOf, HertzAndMindlin) {
 
 TEST(EnergyLedgerOf, PartialSlip) {
   const dem::Law law{hertz, dem::MindlinDeresiewicz{.elastic = soft, .friction_angle = 0.4}};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, JkrAndMindlin) {
+  const dem::Law law{dem::Jkr{.elastic = soft, .surface_energy = 300, .restitution = 0.8}, mindlin};
+  expect_to_close_at_moving_walls(law);
+  expect_to_keep_momenta(law);
+  expect_second_order(law);
+}
+
+TEST(EnergyLedgerOf, LiquidBridges) {
+  const dem::Law law{
+      hertz, mindlin,
+      dem::CapillaryBridge{.surface_tension = 1, .contact_angle = 0.2, .volume = 1e-8}};
   expect_to_close_at_moving_walls(law);
   expect_to_keep_momenta(law);
   expect_second_order(law);

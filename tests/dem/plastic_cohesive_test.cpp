@@ -24,6 +24,7 @@ const dem::PlasticCohesive powder{.loading_stiffness = k_1,
 class Pressed {
  public:
   explicit Pressed(const dem::PlasticCohesive& spring = powder) : law(spring) {
+    contact.normal = Vec<3>::Unit(2);
     contact.effective_radius = 0.5;
     contact.effective_mass = 1;
   }
@@ -31,7 +32,10 @@ class Pressed {
     contact.overlap = overlap;
     const auto all = law.components(contact, history);
     plastic += all.plastic;
-    return all.normal_spring;
+    EXPECT_NEAR(all.normal_spring,
+                all.force(contact.normal)[2] + law.normal.cohesive_stiffness * overlap, 1e-7)
+        << "limits friction";
+    return all.force(contact.normal)[2];
   }
   // Goes to this overlap [m] in small steps; returns the work on the contact [J].
   double move(double from, double to) {

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <silt/dem/law/adhesion.hpp>
+#include <silt/dem/law/capillary_bridge.hpp>
 #include <silt/dem/law/composed_law.hpp>
 #include <silt/dem/law/cundall_strack.hpp>
 #include <silt/dem/law/hertz.hpp>
+#include <silt/dem/law/jkr.hpp>
 #include <silt/dem/law/law_history.hpp>
 #include <silt/dem/law/linear_friction.hpp>
 #include <silt/dem/law/linear_spring_dashpot.hpp>
@@ -29,7 +31,7 @@ template <int Dim>
 class AnyLaw {
   using Contact = dem::Contact<Dim, double>;
   using Load = dem::LoadComponents<Dim, double>;
-  static constexpr int words = 16;
+  static constexpr int words = 40;
   using Words = std::array<double, words>;
 
  public:
@@ -65,7 +67,14 @@ class AnyLaw {
           return law.elastic_energies(contact,
                                       dem::LawHistory<Law, Dim, double>::from(numbers.data()));
         }),
-        stiffness_([law](const Contact& contact) { return law.stiffness(contact); }) {}
+        stiffness_([law](const Contact& contact) { return law.stiffness(contact); }),
+        max_gap_([law]([[maybe_unused]] double R) {
+          if constexpr (dem::LastsBeyondTouch<Law, Dim, double>) {
+            return law.max_gap(R);
+          } else {
+            return 0.0;
+          }
+        }) {}
 
   void check() const { check_(); }
   Load components(const Contact& contact, History<Dim, double>& history) const {
@@ -79,6 +88,7 @@ class AnyLaw {
     return elastic_energies(contact, history).sum();
   }
   dem::Stiffness stiffness(const Contact& contact) const { return stiffness_(contact); }
+  double max_gap(double effective_radius) const { return max_gap_(effective_radius); }
 
  private:
   template <class Answer>
@@ -94,6 +104,7 @@ class AnyLaw {
   std::function<Load(const Contact&, Words&)> components_;
   std::function<dem::ElasticEnergies(const Contact&, const Words&)> energies_;
   std::function<dem::Stiffness(const Contact&)> stiffness_;
+  std::function<double(double)> max_gap_;
 };
 
 template <int Dim>
@@ -126,6 +137,8 @@ std::vector<NamedLaw<Dim>> all_laws() {
   const dem::Mindlin displacement{
       .elastic = rubber, .friction_angle = 0.4, .keeps_displacement = true};
   const dem::MindlinDeresiewicz partial_slip{.elastic = rubber, .friction_angle = 0.4};
+  const dem::Jkr jkr{.elastic = rubber, .surface_energy = 1, .restitution = 0.8};
+  const dem::CapillaryBridge bridge{.surface_tension = 0.5, .contact_angle = 0.2, .volume = 1e-9};
   const dem::RollingResistance rolling{.rolling_friction = 0.2, .twisting_friction = 0.1};
   const auto law = [](const auto& any) { return AnyLaw<Dim>(any); };
   return {
@@ -143,6 +156,8 @@ std::vector<NamedLaw<Dim>> all_laws() {
       {"Hertz and Mindlin", law(dem::Law{hertz, mindlin})},
       {"Hertz and Mindlin by displacement", law(dem::Law{hertz, displacement})},
       {"Hertz with partial slip", law(dem::Law{hertz, partial_slip})},
+      {"Jkr and Mindlin", law(dem::Law{jkr, mindlin})},
+      {"Hertz, Mindlin and liquid bridges", law(dem::Law{hertz, mindlin, bridge})},
       {"Hertz, Mindlin, rolling resistance and adhesion",
        law(dem::Law{hertz, mindlin, rolling, dem::DmtAdhesion{.surface_energy = 1}})},
   };

@@ -12,6 +12,7 @@
 #include <silt/core/step_checks.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/lasting_contacts.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/law/materials.hpp>
 #include <silt/dem/setup/grains.hpp>
@@ -52,7 +53,9 @@ bool can_be_extended(const P& grains, const Materials<Law>& materials, const Wal
   const auto R = grains[radius];
   for (Index i = known; i < n; ++i) {
     const bool is_inside = !grains.box().any_periodic() || grains.box().wrap(x[i]) == x[i];
+    const RadiusRange<Real> own{.smallest = R[i], .largest = R[i]};
     if (!is_finite(max_norm(x[i])) || !is_inside || !(R[i] <= list.largest_radius) ||
+        !(largest_gap<P::dimension>(materials, own) <= list.contact_gap) ||
         !is_valid(grains, materials, i) || !silt::detail::has_digits<Real>(x[i], R[i])) {
       return false;
     }
@@ -92,13 +95,13 @@ ContactList::PairsOfBlock find_added(const P& grains, const Walls& walls, const 
   ContactList::PairsOfBlock found;
   for (Index i = known; i < grains.size(); ++i) {
     const auto add_pair_with = [&](Index j, const Vec& since_j) {
-      const Real limit = R[i] + R[j] + list.margin;
+      const Real limit = R[i] + R[j] + list.reach_of_pairs();
       if (!(image(Vec(since_j - x[i])).squaredNorm() < squared(limit))) return;
       const bool in_order = grains.id(i) < grains.id(j);
       found.pairs.push_back({static_cast<std::uint32_t>(in_order ? i : j),
                              static_cast<std::uint32_t>(in_order ? j : i)});
     };
-    const Real reach = R[i] + list.largest_radius + list.margin;
+    const Real reach = R[i] + list.largest_radius + list.reach_of_pairs();
     for (Index b = 0; b < list.boxes.size(); ++b) {
       const auto& box = list.boxes[b];
       const Vec to_centre = image(Vec((box.lower + box.upper) / 2 - x[i]));
@@ -108,7 +111,7 @@ ContactList::PairsOfBlock find_added(const P& grains, const Walls& walls, const 
       for (Index j = b * block_size; j < end; ++j) add_pair_with(j, list.since[j]);
     }
     for (Index j = known; j < i; ++j) add_pair_with(j, Vec(x[j]));
-    if (Walls::count > 0) add_walls_near(grains, walls, list.margin, i, found);
+    if (Walls::count > 0) add_walls_near(grains, walls, list, i, found);
   }
   return found;
 }

@@ -16,8 +16,10 @@
 #include <silt/dem/contact/contact_geometry.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/contact_results.hpp>
+#include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/law_lanes.hpp>
 #include <silt/dem/contact/step_time.hpp>
+#include <silt/dem/law/contact.hpp>
 
 #include <algorithm>
 #include <array>
@@ -187,7 +189,7 @@ class BlockEvaluator {
       Lanes& next = batch.lanes_[batch.count_];
       ContactGeometry<Lanes> geometry;
       const unsigned touching =
-          find_touching<false>(geometry, first, second, next) & simd::first_lanes<lanes>(last - c);
+          find_contacts<false>(geometry, c, next) & simd::first_lanes<lanes>(last - c);
       results.begin(c / lanes, touching, true);
       of.touching_ += static_cast<Index>(std::popcount(touching));
       compute<false>(geometry, first, second, touching, next);
@@ -206,9 +208,8 @@ class BlockEvaluator {
       const std::uint32_t* const first = in_.contacts.first_of_group(c);
       const std::uint32_t* const second = in_.contacts.second_of_group(c);
       ContactGeometry<Lanes> geometry;
-      const unsigned touching =
-          find_touching<of_walls>(geometry, first, second, batch.lanes_[batch.count_]) &
-          simd::first_lanes<lanes>(last - c);
+      const unsigned touching = find_contacts<of_walls>(geometry, c, batch.lanes_[batch.count_]) &
+                                simd::first_lanes<lanes>(last - c);
       results.begin(c / lanes, touching, false);
       count += static_cast<Index>(std::popcount(touching));
       const EightNumbers numbers = eight_from(c);
@@ -250,6 +251,26 @@ class BlockEvaluator {
     } else {
       return geometry.find_touching(grains_, image_, first, second);
     }
+  }
+
+  // The same for the contacts from c on, with those that last although they do not touch any more.
+  template <bool of_walls>
+  [[gnu::always_inline]] unsigned find_contacts(ContactGeometry<Lanes>& geometry, Index c,
+                                                Lanes& into) const {
+    const std::uint32_t* const first = in_.contacts.first_of_group(c);
+    const std::uint32_t* const second = in_.contacts.second_of_group(c);
+    unsigned found = find_touching<of_walls>(geometry, first, second, into);
+    if constexpr (LastsBeyondTouch<Law, dimension, Real>) {
+      for (unsigned left = in_.before.touching_in_group(c / lanes) & ~found; left != 0;
+           left &= left - 1) {
+        const int lane = std::countr_zero(left);
+        const auto gap = geometry.template gap_of<of_walls>(lane);
+        const Law& law =
+            law_between(*in_.evaluation.list, in_.materials, in_.walls, c + Index(lane));
+        if (gap.length < law.max_gap(gap.effective_radius)) found |= 1u << lane;
+      }
+    }
+    return found;
   }
 
   // Computes the contacts after find_touching().

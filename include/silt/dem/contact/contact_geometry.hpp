@@ -13,6 +13,7 @@
 #include <silt/dem/wall/moving.hpp>
 #include <silt/dem/wall/wall.hpp>
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <type_traits>
@@ -61,6 +62,24 @@ class ContactGeometry {
       touching |= simd::less<Real, N>(r_squared_[p], R * R) << (p * N);
     }
     return touching;
+  }
+
+  /// The gap in lane l after find_touching() or find_touching_walls().
+  struct Gap {
+    Real length;            ///< [m]
+    Real effective_radius;  ///< R* [m]
+  };
+  template <bool at_wall>
+  Gap gap_of(int lane) const {
+    const int p = lane / N;
+    const int l = lane % N;
+    const Real R_i = i_[p].R[l];
+    if constexpr (at_wall) {
+      return {-overlap_[p][l], R_i};
+    } else {
+      const Real R_j = j_[p].R[l];
+      return {std::sqrt(Real(r_squared_[p][l])) - (R_i + R_j), R_i * R_j / (R_i + R_j)};
+    }
   }
 
   /// Bit l is set if the grains in lane l overlap by more than this share of the smaller radius, or

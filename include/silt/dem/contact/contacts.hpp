@@ -28,6 +28,7 @@
 #include <silt/dem/contact/described_contacts.hpp>
 #include <silt/dem/contact/energy_check.hpp>
 #include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/lasting_contacts.hpp>
 #include <silt/dem/contact/list_of_step.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/of_constants.hpp>
@@ -77,8 +78,9 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return contacts;
   }
 
-  /// Interaction range: twice the largest radius [m]. Throws if a radius is infinite.
-  Real reach(const P& grains) const { return 2 * radii_of(grains).largest; }
+  /// Interaction range: twice the largest radius, and the largest gap of contacts [m]. Throws if a
+  /// radius is infinite.
+  Real reach(const P& grains) const { return contact_reach(grains).distance(); }
 
   /// Whether the list of contacts has to be rebuilt, for which the search is used. The next
   /// evaluation is for the grains as they are at this call.
@@ -93,7 +95,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
   void accelerate(P& grains, const S& search, double dt, const Pass& pass = {}) {
     const double since_last = std::exchange(last_time_step_, std::nullopt).value_or(dt);
     Evaluation evaluation =
-        list_.begin_step(grains, search, setup(), [&] { return reach(grains); },
+        list_.begin_step(grains, search, setup(), [&] { return contact_reach(grains); },
                          {.time = time_, .time_step = dt, .last_time_step = since_last});
     const auto after = list_.take_histories();
     const auto known = known_histories(evaluation, grains, *after);
@@ -273,7 +275,7 @@ class ContactsOf : public Contacts<Law, Walls...> {
       if (!common.wall_elements) own.keep_if([](Id, Id b) { return !is_wall_id(b); });
       set_history(grains, own);
       if (common.laws_and_walls) {  // else it is rebuilt in the next step
-        list_.restore_list(list, grains, walls_);
+        list_.restore_list(list, grains, setup());
       }
     }
   }
@@ -317,6 +319,11 @@ class ContactsOf : public Contacts<Law, Walls...> {
     return radii_.get(grains, evaluate, [R = grains.with_halo(radius)](const auto& range, Index i) {
       return range.contains(R[i]);
     });
+  }
+  detail::ContactReach<Real> contact_reach(const P& grains) const {
+    const auto& radii = radii_of(grains);
+    return {.largest_radius = radii.largest,
+            .gap = detail::largest_gap<dimension>(materials_, radii)};
   }
   const detail::ShortestContacts& shortest_contacts(const P& grains) const {
     // They are evaluated by all processes, or by none.

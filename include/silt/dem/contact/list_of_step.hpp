@@ -11,6 +11,7 @@
 #include <silt/dem/contact/added_grains.hpp>
 #include <silt/dem/contact/contact_list.hpp>
 #include <silt/dem/contact/evaluation.hpp>
+#include <silt/dem/contact/lasting_contacts.hpp>
 #include <silt/dem/contact/law_between.hpp>
 #include <silt/dem/contact/list_rebuild.hpp>
 #include <silt/dem/contact/pair_history.hpp>
@@ -70,8 +71,8 @@ class ListOfStep {
     return *is_rebuild_announced_;
   }
 
-  /// An evaluation with the list and the histories before it; reach() returns the interaction range
-  /// [m].
+  /// An evaluation with the list and the histories before it; reach() returns the
+  /// ContactReach.
   template <class S, class Reach>
   Evaluation begin_step(P& grains, const S& search, const Setup& setup, const Reach& reach,
                         const StepTime& step) {
@@ -129,11 +130,12 @@ class ListOfStep {
     return is_of_these ? SavedList(last) : SavedList();
   }
   /// The next step uses this list, with the histories of set_history().
-  void restore_list(const SavedList& saved, const P& grains, const Walls& walls) {
-    if (!saved.fits(walls.elements())) return;
+  void restore_list(const SavedList& saved, const P& grains, const Setup& setup) {
+    if (!saved.fits(setup.walls.elements())) return;
     const auto list = take_list();
     saved.restore(grains, *list);
-    list->walls_revision = walls.revision();
+    list->contact_gap = largest_gap<P::dimension>(setup.materials, radius_range(grains));
+    list->walls_revision = setup.walls.revision();
     Evaluation last;
     last.list = last.list_before = list;
     last.before = last.after = histories_on(list->contacts, grains);
@@ -190,11 +192,12 @@ class ListOfStep {
   }
 
   template <class S>
-  void rebuild(const P& grains, const S& search, const Setup& setup, Real reach,
-               const StepTime& step, List& list) {
+  void rebuild(const P& grains, const S& search, const Setup& setup,
+               const ContactReach<Real>& reach, const StepTime& step, List& list) {
     begin_list(grains, search, setup.walls, step, reach, state_.last, list);
     const auto walls = walls_at<P>(setup.walls, step);
-    if constexpr (decltype(walls)::count > 0) check_walls_at_sides(grains, walls, list.margin);
+    if constexpr (decltype(walls)::count > 0)
+      check_walls_at_sides(grains, walls, list.reach_of_pairs());
     find_contacts(grains, search, walls, list);
     list.stable_time_step = stable_time_step_of(
         grains, setup, walls, list,
@@ -217,7 +220,7 @@ class ListOfStep {
     step.time = list.time;
     const auto walls = walls_at<P>(setup.walls, step);
     if constexpr (decltype(walls)::count > 0) {
-      check_walls_at_sides(grains, walls, list.margin, list.contacts.grains());
+      check_walls_at_sides(grains, walls, list.reach_of_pairs(), list.contacts.grains());
     }
     if (list.boxes.empty()) {
       reserve_tightly(list.boxes, block_count(grains.size()));

@@ -12,6 +12,7 @@
 #include <silt/core/travel.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/contact/contact_list.hpp>
+#include <silt/dem/contact/lasting_contacts.hpp>
 #include <silt/dem/contact/list_constants.hpp>
 #include <silt/dem/contact/step_time.hpp>
 #include <silt/dem/law/materials.hpp>
@@ -30,7 +31,8 @@ template <int Dim, class Real>
 struct ListOrigin {
   /// Positions of the grains, with the halo, when it was built [m].
   SharedArray<Vec<Dim, Real>> since;
-  Real margin = 0;                    ///< largest gap of its pairs [m]
+  /// Largest gap of its pairs beyond which they are no contacts [m]: how far grains may approach.
+  Real margin = 0;
   double time = 0;                    ///< of these positions and of the walls [s]
   Box<Dim, Real> extent;              ///< contains all grains while the list is valid [m]
   double stable_time_step = 0;        ///< stable even if all its pairs touch; 0 if not known [s]
@@ -45,6 +47,10 @@ struct ReusableList : ListOrigin<Dim, Real> {
   std::uint64_t walls_revision = 0;  ///< of the WallSet
   ListConstants<Real> constants;     ///< of the grains when it was built
   Real largest_radius = 0;           ///< of them [m]
+  Real contact_gap = 0;              ///< the largest one of a contact [m], see ContactLaw::max_gap
+
+  /// The gap of a pair up to which it is in the list [m].
+  Real reach_of_pairs() const { return contact_gap + this->margin; }
   Buffer<Box<Dim, Real>> boxes;      ///< around `since` by block, see added_grains.hpp
 
   /// Gives up what others may share, when nobody uses the list.
@@ -223,13 +229,16 @@ auto extent_of(const P& grains) {
   return box;
 }
 
-/// Records the positions of a rebuild in this step and chooses the margin; `reach` [m] is the
-/// interaction range of contacts, `last` the Evaluation before, with whose list memory is shared.
+/// Records the positions of a rebuild in this step and chooses the margin; `last` is the Evaluation
+/// before, with whose list memory is shared.
 template <class P, class S, class Walls, class Last, class List>
 void begin_list(const P& grains, const S& search, const Walls& walls, const StepTime& step,
-                typename P::Real reach, const Last& last, List& list) {
+                const ContactReach<typename P::Real>& reach, const Last& last, List& list) {
   using Real = typename P::Real;
-  if (grains.box().any_periodic()) walls.check_in(grains.box(), reach / 2);
+  const Real diameter = 2 * reach.largest_radius;
+  if (grains.box().any_periodic()) {
+    walls.check_in(grains.box(), reach.largest_radius + reach.gap);
+  }
   // A small margin gives few pairs, a large one few rebuilds; the search limits it.
   constexpr double lasting_steps = 40;
   const auto v = grains.with_halo(velocity);
@@ -246,9 +255,10 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
     }
   }
   const Real wanted = std::clamp<Real>(Real(2 * lasting_steps * step.time_step) * fastest,
-                                       Real(0.006) * reach, Real(0.1) * reach);
-  list.largest_radius = reach / 2;
-  const Real seen = search.radius() + margin_of<Real>(search) - reach;
+                                       Real(0.006) * diameter, Real(0.1) * diameter);
+  list.largest_radius = reach.largest_radius;
+  list.contact_gap = reach.gap;
+  const Real seen = search.radius() + margin_of<Real>(search) - reach.distance();
   list.margin = std::clamp<Real>(wanted, 0, std::max<Real>(seen, 0));
   list.rows_revision = grains.rows_revision();
   list.added = 0;
@@ -272,17 +282,19 @@ void begin_list(const P& grains, const S& search, const Walls& walls, const Step
   }
 }
 
-/// Adds the elements of walls with a gap to a grain below the margin [m]; `walls` is a WallsAtTime.
-template <class P, class Walls>
-void add_walls_near(const P& grains, const Walls& walls, typename P::Real margin, Index i,
+/// Adds the elements of walls with a gap to a grain below that of pairs of the list; `walls` is a
+/// WallsAtTime.
+template <class P, class Walls, class List>
+void add_walls_near(const P& grains, const Walls& walls, const List& list, Index i,
                     ContactList::PairsOfBlock& pairs) {
   using Real = typename P::Real;
   const Real R = grains[radius][i];
   const auto first = std::ptrdiff_t(pairs.walls.size());
   auto of_other_images = first;
   // Also near the images of a grain that may cross a periodic side while the list is valid.
-  for_each_image(grains.box(), typename P::Vec(grains[position][i]), margin, [&](const auto& at) {
-    walls.for_each_element_near(at, Real(R + margin), [&](Index element) {
+  const typename P::Vec x = grains[position][i];
+  for_each_image(grains.box(), x, list.margin, [&](const auto& at) {
+    walls.for_each_element_near(at, Real(R + list.reach_of_pairs()), [&](Index element) {
       const auto begin = pairs.walls.begin();
       if (std::any_of(begin + first, begin + of_other_images,
                       [element](const auto& pair) { return pair.second == element; })) {
@@ -294,21 +306,21 @@ void add_walls_near(const P& grains, const Walls& walls, typename P::Real margin
   });
 }
 
-/// Finds all pairs of grains, and of grains and walls, with a gap below the margin; `walls` is a
-/// WallsAtTime.
+/// Finds all pairs of grains, and of grains and walls, with a gap below reach_of_pairs(); `walls`
+/// is a WallsAtTime.
 template <class P, class S, class Walls, class List>
 void find_contacts(const P& grains, const S& search, const Walls& walls, List& list) {
   using Real = typename P::Real;
   const auto x = grains.with_halo(position);
   const auto R = grains.with_halo(radius);
   const NearestImage<P::dimension, Real> image(grains.box());
-  const auto add_pairs = [&grains, &search, x, R, image, margin = list.margin](
+  const auto add_pairs = [&grains, &search, x, R, image, reach = list.reach_of_pairs()](
                              Index i, ContactList::PairsOfBlock& pairs) {
     for_each_candidate(search, i, [&](Index found_j) {
       const Index j = grains.owner(found_j);
       // A pair across a periodic side is found at both grains, if both are owned; one is enough.
       if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
-      const Real limit = R[i] + R[j] + margin;
+      const Real limit = R[i] + R[j] + reach;
       if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
       const bool in_order = grains.id(i) < grains.id(j);
       pairs.add_pair(in_order ? i : j, in_order ? j : i);
@@ -318,8 +330,7 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
                       [&](Index first, Index last, ContactList::PairsOfBlock& pairs) {
                         for (Index i = first; i < last; ++i) {
                           add_pairs(i, pairs);
-                          if (Walls::count > 0)
-                            add_walls_near(grains, walls, list.margin, i, pairs);
+                          if (Walls::count > 0) add_walls_near(grains, walls, list, i, pairs);
                         }
                       });
 }

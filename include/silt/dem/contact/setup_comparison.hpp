@@ -64,6 +64,9 @@ std::vector<double> forces_in_test_contact(const Law& law) {
     auto couple = couple_of<Dim, Real>(load);
     for (int k = 0; k < angular_size<Dim>; ++k) numbers.push_back(double(component(couple, k)));
   }
+  if constexpr (LastsBeyondTouch<Law, Dim, Real>) {
+    numbers.push_back(double(law.max_gap(contact.effective_radius)));
+  }
   return numbers;
 }
 

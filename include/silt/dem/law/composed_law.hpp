@@ -32,6 +32,7 @@ class Law {
   template <class C, class... Components>
   static constexpr bool any_has_history =
       (HasHistory<Components, C::dimension, typename C::Real> || ...);
+  static constexpr bool lasts = HasMaxGap<Normal> || HasMaxGap<Adhesion>;
   template <class C>
   static constexpr bool has_history = any_has_history<C, Normal, Tangential, Rolling, Adhesion>;
 
@@ -98,14 +99,26 @@ class Law {
     return evaluate_components(contact, history);
   }
 
+  /// See ContactLaw; of the component with the larger one.
+  template <class Real>
+  Real max_gap(const Real& effective_radius) const
+    requires lasts
+  {
+    Real gap(0);
+    if constexpr (HasMaxGap<Normal>) gap = normal.max_gap(effective_radius);
+    if constexpr (HasMaxGap<Adhesion>) gap = larger(gap, Real(adhesion.max_gap(effective_radius)));
+    return gap;
+  }
+
   /// Stiffness of all springs; available if every component provides its own.
   template <class C>
     requires detail::GivesStiffness<Normal, C> && detail::GivesStiffness<Tangential, C> &&
              detail::GivesStiffness<Rolling, C>
   Stiffness stiffness(const C& contact) const {
-    Stiffness all = normal.stiffness(contact);
-    if constexpr (has<Tangential>) all = tangential.stiffness(contact, all);
-    if constexpr (has<Rolling>) all = rolling.stiffness(contact, all);
+    Stiffness all = normal.stiffness(seen_by<Normal>(contact));
+    [[maybe_unused]] const auto& touching = seen_by<NoComponent>(contact);
+    if constexpr (has<Tangential>) all = tangential.stiffness(touching, all);
+    if constexpr (has<Rolling>) all = rolling.stiffness(touching, all);
     return all;
   }
 
@@ -150,25 +163,36 @@ class Law {
   }
 
  private:
+  // The contact as this component gets it.
+  template <class Component, class C>
+  static decltype(auto) seen_by(const C& contact) {
+    return detail::contact_without_gap < !lasts || HasMaxGap < Component >> (contact);
+  }
+
   template <class C, class M>
   [[gnu::always_inline]] auto evaluate_components(const C& contact, M& history) const {
     using Real = typename C::Real;
     constexpr int Dim = C::dimension;
     std::conditional_t<has<Rolling>, LoadComponents<Dim, Real>, ForceComponents<Dim, Real>> result;
 
-    const NormalForce<C> n = detail::with_history<Normal, C>(
-        history.normal, [&](auto&... own) { return normal.normal_force(contact, own...); });
+    const NormalForce<C> n = detail::with_history<Normal, C>(history.normal, [&](auto&... own) {
+      return normal.normal_force(seen_by<Normal>(contact), own...);
+    });
     result.normal_spring = n.spring;
     result.normal_dashpot = n.dashpot;
     result.plastic = n.plastic;
+    result.adhesion = n.adhesion;
     if constexpr (has<Adhesion>) {
-      result.adhesion = detail::with_history<Adhesion, C>(
-          history.adhesion, [&](auto&... own) { return adhesion.adhesion_force(contact, own...); });
+      result.adhesion =
+          n.adhesion + detail::with_history<Adhesion, C>(history.adhesion, [&](auto&... own) {
+            return adhesion.adhesion_force(seen_by<Adhesion>(contact), own...);
+          });
     }
+    [[maybe_unused]] const auto& touching = seen_by<NoComponent>(contact);
     if constexpr (has<Tangential>) {
       const TangentialForce<C> t = detail::with_history<Tangential, C>(
           history.tangential,
-          [&](auto&... own) { return tangential.tangential_force(contact, n, own...); });
+          [&](auto&... own) { return tangential.tangential_force(touching, n, own...); });
       result.tangential_spring = t.spring;
       result.tangential_dashpot = t.dashpot;
       result.friction = t.friction;
@@ -176,7 +200,7 @@ class Law {
     if constexpr (has<Rolling>) {
       const RollingCouple<C> r = detail::with_history<Rolling, C>(
           history.rolling,
-          [&](auto&... own) { return rolling.rolling_couple(contact, n, own...); });
+          [&](auto&... own) { return rolling.rolling_couple(touching, n, own...); });
       result.rolling_spring = r.spring;
       result.rolling_dashpot = r.dashpot;
       result.rolling_friction = r.friction;
@@ -186,17 +210,24 @@ class Law {
 
   template <class C, class M>
   ElasticEnergies energies_of_components(const C& contact, const M& history) const {
-    return {.normal = energy_of(normal, contact, history.normal),
-            .tangential = energy_of(tangential, contact, history.tangential),
-            .rolling = energy_of(rolling, contact, history.rolling),
-            .adhesion = energy_of(adhesion, contact, history.adhesion)};
+    ElasticEnergies energies{.normal = energy_of(normal, contact, history.normal),
+                             .tangential = energy_of(tangential, contact, history.tangential),
+                             .rolling = energy_of(rolling, contact, history.rolling),
+                             .adhesion = energy_of(adhesion, contact, history.adhesion)};
+    if constexpr (lasts) {
+      C last = contact;
+      last.overlap = -max_gap(contact.effective_radius);
+      energies.at_end =
+          energy_of(normal, last, history.normal) + energy_of(adhesion, last, history.adhesion);
+    }
+    return energies;
   }
 
   template <class Component, class C, class M>
   static double energy_of(const Component& component, const C& contact, const M& history) {
     return detail::with_history<Component, C>(history, [&](const auto&... own) {
       if constexpr (requires { component.elastic_energy(contact, own...); }) {
-        return double(component.elastic_energy(contact, own...));
+        return double(component.elastic_energy(seen_by<Component>(contact), own...));
       } else {
         return 0.0;
       }

@@ -21,7 +21,8 @@ struct Contact {
   using AngularVec = silt::AngularVec<Dim, Real>;
 
   Vec normal = Vec::Zero();             ///< unit vector from j to i; −e of [SahChoi2004] (3)
-  Real overlap = 0;                     ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0
+  Real overlap = 0;  ///< δ = R_i + R_j − |x_j − x_i| [m], above 0; may tend to 0;
+                     ///< below 0 for a law with max_gap() only
   Vec relative_velocity = Vec::Zero();  ///< of i's surface relative to j's at the contact point,
                                         ///< (5) [m/s]
   AngularVec relative_spin = zero_of<AngularVec>();  ///< ω_i − ω_j, for laws with a couple [1/s]
@@ -46,6 +47,7 @@ struct Stiffness {
   double beta = 0;  ///< ratio of dashpot to spring c/k of both [s], for dashpots that use v^{N−½}
   double rolling = 0;          ///< couple per relative rotation, in any direction [N m/rad]
   double rolling_dashpot = 0;  ///< couple per relative spin, in any direction [N m s]
+  double contact_radius = 0;   ///< of the contact area, see NormalForce [m]
 };
 
 namespace detail {
@@ -82,6 +84,8 @@ struct ElasticEnergies {
   double tangential = 0;
   double rolling = 0;   ///< and twisting
   double adhesion = 0;  ///< not above 0: minus the work needed to separate the two
+  double at_end = 0;    ///< for a law with max_gap(): normal and adhesion when the contact ends,
+                      ///< which is then lost; not in the sum
 
   /// Energy of all springs [J].
   double sum() const { return normal + tangential + rolling + adhesion; }
@@ -90,6 +94,7 @@ struct ElasticEnergies {
     tangential += more.tangential;
     rolling += more.rolling;
     adhesion += more.adhesion;
+    at_end += more.at_end;
     return *this;
   }
 };
@@ -198,9 +203,18 @@ concept LawWithHistory =
 ///   elastic_energies(contact, history)   → ElasticEnergies, the same by components; with
 ///                            components(), a step in which contacts give far more is refused, see
 ///                            ContactSettings::max_energy_gain
+///   max_gap(effective_radius)            → the gap [m] at which a contact that has begun ends; a
+///                            function of R* without a maximum between its ends. Without it
+///                            contacts end at zero overlap, where they begin in any case
 ///   mix(a, b)  (static)      → the law between two materials
 template <class L, int Dim, class Real>
 concept ContactLaw = LawWithoutHistory<L, Dim, Real> || LawWithHistory<L, Dim, Real>;
+
+/// A law whose contacts last beyond zero overlap, as a neck or a liquid bridge does.
+template <class L, int Dim, class Real>
+concept LastsBeyondTouch = LawWithHistory<L, Dim, Real> && requires(const L law, const Real R) {
+  { law.max_gap(R) } -> std::convertible_to<Real>;
+};
 
 /// The result of a law for one contact: a force, or its components. There is one history or none.
 template <class Law, class C, class... History>

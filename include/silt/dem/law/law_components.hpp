@@ -18,12 +18,16 @@
 //   elastic_energy(contact)             → [J]; followed by the history, if there is one. Contacts
 //                                         check the energy of a step only if all components but
 //                                         that of adhesion have it
+//   max_gap(effective_radius)           → the gap [m] at which a contact that has begun ends;
+//                                         normal and adhesion component. In a gap the others get
+//                                         an overlap of 0
 //   mix(a, b)  (static)                 → the component for a contact between two materials
 #pragma once
 
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 
+#include <cmath>
 #include <concepts>
 #include <type_traits>
 
@@ -39,7 +43,19 @@ struct NormalForce {
   Real stiffness = 0;  ///< dF_n/dδ of the spring [N/m]
   Real beta = 0;       ///< ratio of dashpot to spring, c/k [s]
   Real plastic = 0;    ///< energy dissipated in this step by a yielding spring [J]
+  Real adhesion =
+      0;  ///< in addition to the spring, negative if attractive; does not limit friction [N]
+  Real contact_radius = 0;  ///< of the contact area [m]; 0: √(R* δ)
 };
+
+/// Radius of the contact area of two spheres [m]: the given one of a NormalForce or Stiffness, or,
+/// if that is 0, Hertz's √(R* δ).
+template <class C>
+typename C::Real contact_radius_of(const C& contact, const typename C::Real& given) {
+  using std::sqrt;
+  using Real = typename C::Real;
+  return choose(given > 0, given, Real(sqrt(contact.effective_radius * contact.overlap)));
+}
 
 /// Force on i in the contact plane.
 template <class C>
@@ -142,7 +158,25 @@ concept AdhesionComponent =
       { p.adhesion_force(c, history) } -> std::convertible_to<Real>;
     };
 
+/// A component whose contacts last beyond zero overlap.
+template <class P>
+concept HasMaxGap = requires(const P p, const double R) {
+  { p.max_gap(R) } -> std::convertible_to<double>;
+};
+
 namespace detail {
+
+/// The contact as a component of a law gets it: without a gap, unless the component has one.
+template <bool has_gap, class C>
+decltype(auto) contact_without_gap(const C& contact) {
+  if constexpr (has_gap) {
+    return (contact);
+  } else {
+    C touching = contact;
+    touching.overlap = larger(typename C::Real(0), contact.overlap);
+    return touching;
+  }
+}
 
 // The kind of a component, for any dimension and precision that it supports.
 template <class P>

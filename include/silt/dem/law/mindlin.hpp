@@ -52,7 +52,7 @@ struct Mindlin {
     using std::sqrt;
     using Real = typename C::Real;
     using Vec = typename C::Vec;
-    const Real k = stiffness_of_area(contact);
+    const Real k = stiffness_of_area(contact, normal.contact_radius);
     const Slider<Real> slider{
         .stiffness = k,
         .dashpot = normal.beta * sqrt(normal.stiffness * k),
@@ -82,7 +82,8 @@ struct Mindlin {
 
   template <class C>
   Stiffness stiffness(const C& contact, Stiffness normal) const {
-    normal.tangential = double(stiffness_of_area(contact));
+    using Real = typename C::Real;
+    normal.tangential = double(stiffness_of_area(contact, Real(normal.contact_radius)));
     return normal;
   }
 
@@ -97,11 +98,9 @@ struct Mindlin {
  private:
   // k_t [N/m].
   template <class C>
-  typename C::Real stiffness_of_area(const C& contact) const {
-    using std::sqrt;
+  typename C::Real stiffness_of_area(const C& contact, typename C::Real given_radius) const {
     using Real = typename C::Real;
-    return Real(8 * elastic.contact_shear_modulus()) *
-           sqrt(contact.effective_radius * contact.overlap);
+    return Real(8 * elastic.contact_shear_modulus()) * contact_radius_of(contact, given_radius);
   }
 };
 

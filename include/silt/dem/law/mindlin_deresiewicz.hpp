@@ -62,7 +62,7 @@ struct MindlinDeresiewicz {
     using std::sqrt;
     using Real = typename C::Real;
     using Vec = typename C::Vec;
-    const Real a = radius_of_area(contact);
+    const Real a = contact_radius_of(contact, Real(normal.contact_radius));
     make_springs_reach(a, history);
     const Real divisor = larger(a, Real(std::numeric_limits<float>::min()));
     const Real per_length = Real(8 * elastic.contact_shear_modulus());
@@ -109,7 +109,8 @@ struct MindlinDeresiewicz {
   /// That of all springs, 8 G* a, as if none slid.
   template <class C>
   Stiffness stiffness(const C& contact, Stiffness normal) const {
-    normal.tangential = 8 * elastic.contact_shear_modulus() * double(radius_of_area(contact));
+    const double a = double(contact_radius_of(contact, typename C::Real(normal.contact_radius)));
+    normal.tangential = 8 * elastic.contact_shear_modulus() * a;
     return normal;
   }
 
@@ -120,13 +121,6 @@ struct MindlinDeresiewicz {
   }
 
  private:
-  // a [m].
-  template <class C>
-  static typename C::Real radius_of_area(const C& contact) {
-    using std::sqrt;
-    return sqrt(contact.effective_radius * contact.overlap);
-  }
-
   // The part of the normal force within x, from ξ = x/a.
   template <class Real>
   static Real share_within(const Real& xi) {

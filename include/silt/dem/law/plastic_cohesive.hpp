@@ -21,7 +21,7 @@ namespace silt::dem {
 ///
 /// The largest tension after a load is k_c (k_2* − k_1)/(k_2* + k_c) δ_max. Without cohesion and
 /// dashpot, an impact has the restitution √(k_1/k_2*). The force is 0 at δ = 0, where the contact
-/// ends. Friction acts under compression only.
+/// ends. Friction is limited by F + k_c δ.
 struct PlasticCohesive {
   double loading_stiffness = 0;    ///< k_1 [N/m], above 0
   double unloading_stiffness = 0;  ///< k_2 [N/m], above k_1
@@ -87,11 +87,12 @@ struct PlasticCohesive {
     history.overlap = delta;
     history.force = spring;
     history.energy = energy;
-    return {.spring = spring,
+    return {.spring = spring + k_c * delta,
             .dashpot = CentredDashpot::force(contact, history.dashpot, k_1, Real(dashpot)),
             .stiffness = k_1,
             .beta = Real(dashpot / loading_stiffness),
-            .plastic = plastic};
+            .plastic = plastic,
+            .adhesion = -k_c * delta};
   }
 
   /// Energy recovered when unloaded [J].

@@ -80,7 +80,8 @@ struct Losses {
   double friction = 0;          ///< dissipated by tangential sliders
   double rolling_friction = 0;  ///< dissipated by the sliders of rolling and twisting
   double plastic = 0;           ///< dissipated by yielding normal springs
-  double separation = 0;        ///< stored in tangential and rolling springs when contacts ended
+  double separation = 0;  ///< stored in tangential and rolling springs when contacts ended, and
+                          ///< in necks and bridges that broke
 
   /// Sum of all [J].
   double sum() const { return friction + rolling_friction + plastic + separation; }

@@ -242,7 +242,8 @@ class EnergyLedger {
       stored_.for_each_pair([&](Id a, Id b, const ElasticEnergies& each) {
         if (!exists(a) || !exists(b)) return;  // the spring was removed with the grain
         before += each;
-        if (now.find(a, b) == nullptr) all.separation += each.tangential + each.rolling;
+        if (now.find(a, b) == nullptr)
+          all.separation += each.tangential + each.rolling + each.at_end;
       });
       losses_ += all;
       integration_error_ += (last.springs() + step_.springs()) / 2 +

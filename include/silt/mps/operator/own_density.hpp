@@ -2,6 +2,7 @@
 // What a particle adds to its own number density where its fluid is spread over a larger volume.
 #pragma once
 
+#include <silt/core/cube_root.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/mps/operator/lattice.hpp>
@@ -50,13 +51,6 @@ class OwnDensity {
   }
 
  private:
-  // Of V between 1 and 10³, by Newton's method: the last bit of std::cbrt is that of a C library.
-  static Real cube_root(Real volume) {
-    Real root = (2 + volume) / 3;
-    for (int n = 0; n < 14; ++n) root = (2 * root + volume / (root * root)) / 3;
-    return root;
-  }
-
   static constexpr Index intervals = 256;
   // Of a lattice, over its spacing: 8 neighbours in 2D, 18 in 3D.
   static constexpr double least_radius = 1.5;
