@@ -37,6 +37,19 @@ TEST(WallMotions, HaveTheTimeDerivativeOfTheirPoses) {
   expect_derivative(dem::Rotation<3>{}, Vec<3>(0.3, 0.4, 1));
   expect_derivative(dem::Vibration<3>{.amplitude = {0, 0.1, 0.2}, .frequency = 2, .phase = 0.7},
                     Vec<3>(0.3, 0.4, 1));
+  const dem::CombinedMotion screw{dem::Rotation<3>{.about = {1, 2, 3}, .spin = {0.5, -1, 2}},
+                                  dem::Translation<3>{.velocity = {0.1, -0.2, 0.4}}};
+  expect_derivative(screw, Vec<3>(0.3, 0.4, 1));
+  const dem::Vibration<3> shaking{.amplitude = {0, 0.1, 0.2}, .frequency = 2, .phase = 0.7};
+  const dem::CombinedMotion nested{
+      dem::CombinedMotion{shaking, dem::Rotation<3>{.spin = {0, 1, 2}}},
+      dem::Rotation<3>{.about = {1, 0, 0}, .spin = {3, 0, 0}}};
+  expect_derivative(nested, Vec<3>(0.3, 0.4, 1));
+  EXPECT_EQ(nested.period(), 0.5);
+  EXPECT_EQ(screw.period(), std::numeric_limits<double>::infinity());
+  expect_derivative(dem::CombinedMotion{dem::Rotation<2>{.about = {1, 2}, .spin = 3},
+                                        dem::Rotation<2>{.about = {0, 1}, .spin = -1}},
+                    Vec<2>(0.3, 0.4));
 }
 
 template <int Dim>
@@ -49,6 +62,28 @@ auto simulation(const dem::Grains<Dim>& grains, const dem::CundallStrack& own_la
 template <class Sim>
 const auto& contacts_of(const Sim& sim) {
   return sim.interaction().template part<1>();
+}
+
+// A sphere put on a belt slides with the acceleration μ g until it rolls, at 2/7 of the belt's
+// speed. The wall itself stays where it is.
+TEST(SurfaceVelocity, CarriesAGrainAsABeltDoes) {
+  const double R = 0.01, u = 0.5, g = 9.81, mu = 0.3;
+  const dem::CundallStrack rough{.normal_stiffness = 1e5,
+                                 .tangential_stiffness = 8e4,
+                                 .restitution = 0.3,
+                                 .friction_angle = std::atan(mu)};
+  const dem::Moving belt{dem::Plane<3>{}, dem::SurfaceVelocity<3>{.linear = {u, 0, 0}}};
+  const double overlap = 4.0 / 3 * std::numbers::pi * R * R * R * 2500 * g / 1e5;
+  Simulation sim{one_grain<3>({0, 0, R - overlap}, {0, 0, 0}, {.radius = R, .density = 2500}),
+                 NeighbourList<3>{}, Forces{Gravity<3>{{0, 0, -g}}, dem::Contacts{rough, belt}},
+                 Leapfrog{}};
+  const double sliding = 2.0 / 7 * u / (mu * g);
+  sim.run({.until = 0.5 * sliding});
+  EXPECT_NEAR(sim.particles()[velocity][0][0] / (mu * g * sim.time()), 1, 0.01);
+  sim.run({.until = 3 * sliding});
+  EXPECT_NEAR(sim.particles()[velocity][0][0] / (2.0 / 7 * u), 1, 0.01);
+  EXPECT_NEAR(sim.particles()[spin][0][1] * -R / (5.0 / 7 * u), 1, 0.01) << "rolls";
+  EXPECT_NEAR(sim.particles()[position][0][2], R - overlap, 0.01 * overlap);
 }
 
 // An undamped spring reverses the relative velocity: v' = 2u − v.
@@ -167,6 +202,11 @@ TEST(MovingWalls, ThrowForInvalidMotions) {
                       {"Translation: velocity", "nan"}));
   EXPECT_TRUE(refuses([&] { make(dem::Rotation<3>{.spin = {0, nan, 0}}); }, {"Rotation: spin"}));
   EXPECT_TRUE(refuses([&] { make(dem::Vibration<3>{.frequency = -1}); }, {"Vibration: frequency"}));
+  EXPECT_TRUE(refuses([&] { make(dem::SurfaceVelocity<3>{.linear = {0, nan, 0}}); },
+                      {"SurfaceVelocity: linear", "nan"}));
+  EXPECT_TRUE(refuses(
+      [&] { make(dem::CombinedMotion{dem::Translation<3>{}, dem::Vibration<3>{.frequency = -1}}); },
+      {"Vibration: frequency"}));
   const dem::Grains<3> grains;
   const auto contacts = for_particles(dem::Contacts{law, at_rest<3>(dem::Plane<3>{})}, grains);
   EXPECT_TRUE(refuses([&] { contacts.load_on(grains, 1); }, {"no wall 1"}));

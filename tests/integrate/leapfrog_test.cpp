@@ -53,6 +53,23 @@ Deviation after_some_swings(double dt) {
           std::abs(energy - (x0.squaredNorm() + v0.squaredNorm()) / 2)};
 }
 
+TEST(Leapfrog, TakesAnotherDampingBetweenSteps) {
+  Simulation sim{one_grain<2>({1, 0}, {0, 0.5}), UniformGrid<2>{}, SpringToOrigin{},
+                 Leapfrog{GlobalDamping{.alpha = 0.2}}};
+  const auto energy = [&] {
+    const auto now = sim.snapshot();
+    return (now[velocity][0].squaredNorm() + now[position][0].squaredNorm()) / 2;
+  };
+  sim.run({.until = 4, .time_step = 0.01});
+  const double damped = energy();
+  EXPECT_LT(damped, 0.5 * 0.625);
+  sim.integrator().set_damping({.alpha = 0});
+  sim.run({.until = 8, .time_step = 0.01});
+  EXPECT_NEAR(energy() / damped, 1, 1e-3);
+  EXPECT_TRUE(refuses([&] { sim.integrator().set_damping({.alpha = -1}); }, {"alpha = -1"}));
+  EXPECT_EQ(sim.integrator().damping().alpha, 0);
+}
+
 TEST(Leapfrog, IsOfSecondOrderInPositionAndInTheVelocityOfASnapshot) {
   const Deviation coarse = after_some_swings<2>(1.0 / 16);
   const Deviation fine = after_some_swings<2>(1.0 / 32);

@@ -83,7 +83,9 @@ class Simulation {
   /// The interaction, stored as ForParticles<I, P>.
   TypedInteraction& interaction() noexcept { return interaction_; }
   const TypedInteraction& interaction() const noexcept { return interaction_; }
-  /// The integrator, with what it keeps from step to step.
+  /// The integrator, with what it keeps from step to step. What the program changes holds from the
+  /// next step on.
+  T& integrator() noexcept { return integrator_; }
   const T& integrator() const noexcept { return integrator_; }
 
   /// Copies of the particles and the interaction with all quantities at time(); an integrator that

@@ -67,6 +67,13 @@ class Leapfrog {
   /// The damping model with its parameters.
   const D& damping() const noexcept { return damping_; }
 
+  /// Replaces it from the next step on, for example by one without damping after a filling. Not in
+  /// checkpoints. Throws as the constructor does.
+  void set_damping(D damping) {
+    if constexpr (requires { damping.check(); }) damping.check();
+    damping_ = damping;
+  }
+
   template <class P, class S, class I>
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
   bool step(P& particles, S& search, I& interaction, double dt) {

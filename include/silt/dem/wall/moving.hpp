@@ -5,10 +5,12 @@
 #include <silt/core/error.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/wall/wall.hpp>
+#include <silt/geometry/combined_motion.hpp>
 #include <silt/geometry/rigid_motion.hpp>
 
 namespace silt::dem {
 
+using silt::CombinedMotion;
 using silt::Pose;
 using silt::RigidMotion;
 using silt::RigidVelocity;

@@ -9,5 +9,6 @@
 #include <silt/dem/wall/plane.hpp>
 #include <silt/dem/wall/polyline.hpp>
 #include <silt/dem/wall/round_walls.hpp>
+#include <silt/dem/wall/surface_velocity.hpp>
 #include <silt/dem/wall/wall.hpp>
 #include <silt/dem/wall/wall_set.hpp>
