@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Cross-check: the same spheres with LAMMPS (gran/hooke/history) and with Silt and the same law.
+"""Cross-check: the same spheres with LAMMPS and with Silt and the same law.
 
     lammps.py PROGRAM FOLDER
 
@@ -9,6 +9,9 @@ Prints a table and exits with 1 if a difference is larger than allowed, with 77 
 installed.
 
 Two spheres collide obliquely: positions, velocities and spins agree to 1 % of their maximum.
+Two sticky spheres (JKR) collide: the velocity agrees to 5e-4 until LAMMPS ends the contact, at
+about half of the gap at which the neck breaks; Silt's lasts until there, and leaves with the speed
+that the energy of the neck leaves.
 500 spheres collapse on a floor: the curves of the kinetic energy differ by no more than LAMMPS's
 own change when its time step is halved.
 """
@@ -24,6 +27,7 @@ SKIPPED = 77
 # Units as in bench/scenes.hpp: diameter, mass and gravity are 1. Laws are kn, kt, gamma_n, gamma_t,
 # xmu.
 PAIR = {"law": "200000 57142.857142857143 50 25 0.5", "dt": 1e-4, "until": 0.5, "every": 1e-4}
+JKR = {"law": "20000 0 0.3 10", "dt": 1e-5, "until": 0.1, "every": 1e-4}
 COLLAPSE = {"law": "20000 5714.2857142857143 240 120 0.5", "dt": 2e-4, "until": 10,
             "every": 0.02}
 
@@ -90,6 +94,39 @@ def pair_rows(program, folder, state):
                abs(change[1] - change[0]) / change[0], 0.01)
 
 
+def jkr_rows(program, folder, state):
+    lammps, silt = both(program, folder, "jkr", state, **JKR)
+    theirs, ours = lammps(), silt()
+
+    def gap(frame):
+        return norm(a - b for a, b in zip(frame[0][1:4], frame[1][1:4])) - 1
+
+    def speed(frame):
+        return norm(frame[0][4:7])
+
+    free = speed(theirs[-1])
+    last = max(k for k in range(len(theirs)) if abs(speed(theirs[k]) - free) > 1e-12)
+    apart = max(abs(speed(a) - speed(b)) for a, b in zip(theirs[:last + 1], ours))
+    top = max(map(speed, theirs))
+    yield "jkr, speed until LAMMPS ends the contact, and difference", top, max(map(speed, ours)), \
+        apart / top, 5e-4
+    E, _, nu, gamma = map(float, JKR["law"].split())
+    E, R, w, mass = E / (2 * (1 - nu**2)), 0.25, 2 * gamma, 1
+    least = (math.pi * w * R**2 / (8 * E))**(1 / 3)
+    yield "jkr, gap at the end: LAMMPS's, and the exact one", gap(theirs[last]), 3 * least**2 / R, \
+        0, math.inf
+
+    def energy(a):
+        k = math.sqrt(2 * math.pi * w / E)
+        return E * (8 / 15 * a**5 / R**2 - 4 / 3 * k * a**3.5 / R + k**2 * a**2 / 2)
+
+    # Of both spheres, after what the neck takes.
+    left = mass * speed(ours[0])**2 - (energy(least) - energy(least * 16**(1 / 3)))
+    exact = math.sqrt(left / mass)
+    yield "jkr, speed after: exact, and Silt's", exact, speed(ours[-1]), \
+        abs(speed(ours[-1]) / exact - 1), 1e-3
+
+
 def kinetic_energy(frame):
     """Of spheres with the mass 1 at the diameter 1."""
     energy = 0
@@ -139,7 +176,7 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     good = True
     print(f"{'quantity':60} {'LAMMPS':>12} {'Silt':>12} {'difference':>10} {'allowed':>10}")
-    for scene, rows_of in (("pair", pair_rows), ("collapse", collapse_rows)):
+    for scene, rows_of in (("pair", pair_rows), ("jkr", jkr_rows), ("collapse", collapse_rows)):
         state = folder / f"{scene}.data"
         run(program, "make", scene, state)
         for quantity, theirs, ours, difference, allowed in rows_of(program, folder, state):

@@ -3,9 +3,10 @@
 //   silt_beside_lammps make SCENE FILE                    writes the common initial state
 //   silt_beside_lammps run SCENE FILE LAW TIME_STEP STEPS EVERY FRAMES
 //                                                         runs it; a frame every EVERY steps
-// LAW is "kn kt gamma_n gamma_t xmu".
-// Scenes: pair, an oblique impact of two unequal spheres with spin; collapse, a block of 500 equal
-// spheres that collapses on a floor. Units as in bench/scenes.hpp.
+// LAW is "kn kt gamma_n gamma_t xmu", or "E 0 nu gamma" of jkr.
+// Scenes: jkr, a head-on impact of two equal sticky spheres; pair, an oblique impact of two unequal
+// spheres with spin; collapse, a block of 500 equal spheres that collapses on a floor. Units as in
+// bench/scenes.hpp.
 #include "../../bench/states.hpp"
 
 #include <silt/dem.hpp>
@@ -26,6 +27,14 @@ State pair() {
   state.bodies.push_back({.x = {-0.5, 0, 0}, .v = {1, 0.25, 0}, .w = {0, 0.5, -1.5}});
   state.bodies.push_back(
       {.x = {0.4, 0.3, 0.2}, .v = {-1, -1, 0.5}, .w = {2, 0, 1}, .diameter = 0.6});
+  return state;
+}
+
+State sticky_pair() {
+  State state{.bodies = {}, .lower = Vec3::Constant(-2), .upper = Vec3::Constant(2)};
+  const Vec3 axis(0.6, 0.64, 0.48);
+  state.bodies.push_back({.x = -0.505 * axis, .v = axis});
+  state.bodies.push_back({.x = 0.505 * axis, .v = -axis});
   return state;
 }
 
@@ -65,6 +74,15 @@ HookeHistory law_of(const char* text) {
   return law;
 }
 
+silt::dem::Law<silt::dem::Jkr> jkr_of(const char* text) {
+  silt::dem::Jkr law;
+  if (std::sscanf(text, "%lf 0 %lf %lf", &law.elastic.young_modulus, &law.elastic.poisson_ratio,
+                  &law.surface_energy) != 3) {
+    throw std::runtime_error(std::string("no law: ") + text);
+  }
+  return {law};
+}
+
 struct Frames {
   double time_step;
   int steps;
@@ -84,10 +102,15 @@ void run(Simulation simulation, const Frames& frames) {
   }
 }
 
-void run(std::string_view scene, const State& state, const HookeHistory& law,
-         const Frames& frames) {
+void run(std::string_view scene, const State& state, const char* law_text, const Frames& frames) {
   using namespace silt;
   const auto grains = grains_of<3>(state, 0);
+  if (scene == "jkr") {
+    run(Simulation{grains, NeighbourList<3>{}, dem::Contacts{jkr_of(law_text)}, Leapfrog{}},
+        frames);
+    return;
+  }
+  const HookeHistory law = law_of(law_text);
   const auto settings = settings_for<HookeHistory>();
   if (scene == "pair") {
     run(Simulation{grains, NeighbourList<3>{}, dem::Contacts{law}.with(settings),
@@ -107,13 +130,13 @@ void run(std::string_view scene, const State& state, const HookeHistory& law,
 int main(int argc, char** argv) try {
   const std::string_view what = argc > 2 ? argv[1] : "";
   const std::string_view scene = argc > 2 ? argv[2] : "";
-  const bool known = scene == "pair" || scene == "collapse";
+  const bool known = scene == "pair" || scene == "collapse" || scene == "jkr";
   if (what == "make" && known && argc == 4) {
-    write(scene == "pair" ? pair() : block(), argv[3]);
+    write(scene == "pair" ? pair() : scene == "jkr" ? sticky_pair() : block(), argv[3]);
     return 0;
   }
   if (what == "run" && known && argc == 9) {
-    run(scene, read(argv[3]), law_of(argv[4]),
+    run(scene, read(argv[3]), argv[4],
         {.time_step = std::atof(argv[5]),
          .steps = std::atoi(argv[6]),
          .every = std::atoi(argv[7]),
