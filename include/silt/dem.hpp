@@ -21,6 +21,7 @@
 #include <silt/dem/law/plastic_cohesive.hpp>
 #include <silt/dem/law/rolling_resistance.hpp>
 #include <silt/dem/law/walton_braun.hpp>
+#include <silt/dem/measure/coarse_grained.hpp>
 #include <silt/dem/measure/coordination.hpp>
 #include <silt/dem/measure/energy_ledger.hpp>
 #include <silt/dem/measure/stress.hpp>
