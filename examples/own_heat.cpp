@@ -4,6 +4,7 @@
 // flows through it when it is steady is compared with that of resistances in series.
 #include <silt/dem.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <vector>
@@ -31,7 +32,8 @@ struct Conduction {
     contacts.for_each_contact(
         grains, [&](silt::Index i, silt::Index j, const auto& c, const auto&) {
           if (j == silt::no_index) return;
-          const double Q = flow(std::sqrt(c.effective_radius * c.overlap), T[j] - T[i]);
+          const double Q =
+              flow(std::sqrt(c.effective_radius * std::max(0.0, c.overlap)), T[j] - T[i]);
           heat[i] += Q;
           heat[j] -= Q;
         });

@@ -147,6 +147,25 @@ TEST(Jkr, CatchesSlowGrains) {
   }
 }
 
+// At the turning points of its oscillation a pair has no kinetic energy, and the energy of the
+// contact is below that at zero overlap; no step is refused.
+TEST(Jkr, OscillatesAboutItsEquilibrium) {
+  const double R = 1e-3;
+  const double a = std::cbrt(18 * pi * w * R * R / (4 * E) / 2);
+  for (const double e : {1.0, 0.8}) {
+    dem::Jkr law = sticky;
+    law.restitution = e;
+    for (const double share : {0.3, 0.7, 1.5, 3.0}) {
+      auto grains = one_grain<3>({0, 0, R - share * overlap_at(a, R)}, {0, 0, 0},
+                                 {.radius = R, .density = 1000});
+      Simulation simulation{grains, UniformGrid<3>{}, dem::Contacts{dem::Law{law}, dem::Plane<3>{}},
+                            Leapfrog{}};
+      for (int step = 0; step < 2000; ++step) simulation.step();
+      EXPECT_EQ(simulation.interaction().size(), 1u);
+    }
+  }
+}
+
 TEST(Jkr, RefusesWhatCannotBe) {
   EXPECT_TRUE(refuses([] { dem::Contacts{dem::Law{dem::Jkr{.elastic = rubber}}}; },
                       {"Jkr: surface_energy = 0"}));

@@ -357,7 +357,7 @@ TEST(Materials, RejectTablesThatAreNotOfPairs) {
   using Materials = dem::Materials<dem::CundallStrack>;
   EXPECT_TRUE(refuses([&] { Materials::of_pairs({}); }, {"of_pairs: there is no row"}));
   EXPECT_TRUE(refuses([&] { Materials::of_pairs({{a, a}, {a, a}}); },
-                      {"row 1 has 2 laws, but there are 2 rows; give the 1 laws of material 1"}));
+                      {"row 1 has 2 laws, but there are 2 rows; it needs 1, of material 1"}));
   EXPECT_TRUE(refuses([&] { Materials::of_pairs({{a}, {a}}); }, {"row 0 has 1 laws"}));
   EXPECT_TRUE(refuses([&] { Materials::of_pairs({{a, {}}, {a}}); }, {"normal_stiffness = 0"}));
   EXPECT_TRUE(refuses([&] { Materials({a}).with_pair(0, 1, a); },

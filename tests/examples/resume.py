@@ -5,8 +5,8 @@ uninterrupted run.
 
     resume.py SCRATCH STOPS PROGRAM ARGUMENTS...
 
-STOPS is how often in all, in as many runs as necessary: a run may end before it is stopped. The
-program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by Ctrl-C,
+STOPS is how often in all, in as many runs as necessary: a run may end before it is stopped. Of a
+program that takes seconds until its first step, fewer, and at least twelve. The program must have --out, --resume and --checkpoint-every. It is stopped by SIGINT, like by Ctrl-C,
 and killed by SIGKILL, in turns. At least a quarter of all must be orderly, with the
 exit code of SIGINT. In summary.json, wall-clock times are ignored.
 """
@@ -22,19 +22,43 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "same_bits"))
 from check import differences, files_in
 
+def last_checkpoint(folder):
+    """When the last checkpoint in a folder was written [ns]; 0 if there is none."""
+    times = [0]
+    for path in folder.glob("checkpoint*.silt"):
+        try:
+            times.append(path.stat().st_mtime_ns)
+        except FileNotFoundError:  # removed at the end of the run
+            pass
+    return max(times)
+
+
+def wait_for_checkpoint(process, folder, before):
+    """Until a checkpoint is written that is newer than `before`, or the process ends."""
+    while process.poll() is None and last_checkpoint(folder) <= before:
+        time.sleep(0.005)
+
+
 def run_uninterrupted(program, arguments, folder):
-    """Returns the duration [s]."""
+    """Returns the duration [s], and that until the first checkpoint, which is soon after the first
+    step [s]."""
     begin = time.monotonic()
-    subprocess.run([program, *arguments, "--out", str(folder)], check=True,
-                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return time.monotonic() - begin
+    process = subprocess.Popen([program, *arguments, "--out", str(folder)], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    wait_for_checkpoint(process, folder, 0)
+    prepared = time.monotonic() - begin
+    assert process.wait() == 0, f"{program} ended with {process.returncode}"
+    return time.monotonic() - begin, prepared
 
 
-def run_for(command, seconds, how):
-    """Runs a program, sends it a signal after some seconds, and returns its exit code and the last
-    line of its stderr."""
+def run_for(command, seconds, how, folder):
+    """Runs a program, sends it a signal some seconds after its first checkpoint, and returns its exit
+    code and the last line of its stderr."""
+    before = last_checkpoint(folder)
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:
+        if seconds is not None:
+            wait_for_checkpoint(process, folder, before)
         said = process.communicate(timeout=seconds)[1]
     except subprocess.TimeoutExpired:
         process.send_signal(how)
@@ -51,7 +75,7 @@ def run_in_parts(program, arguments, folder, durations, most):
     while True:
         how = signal.SIGKILL if stops > kills else signal.SIGINT
         patience = next(durations) if stops + kills < most else None
-        code, said = run_for(command, patience, how)
+        code, said = run_for(command, patience, how, folder)
         # It may have been killed after it had written everything.
         if code == 0 or (kills > 0 and said.endswith("is complete")):
             return stops, kills
@@ -83,8 +107,9 @@ def main(arguments):
     arguments = [*arguments[3:], "--checkpoint-every", "0.01"]
     shutil.rmtree(scratch, ignore_errors=True)
     whole, part = scratch / "whole", scratch / "part"
-    seconds = run_uninterrupted(program, arguments, whole)
-    waits = durations(max(0.1, seconds / wanted))
+    seconds, prepared = run_uninterrupted(program, arguments, whole)
+    wanted = min(wanted, max(12, round(100 / prepared)))
+    waits = durations(max(0.05, (seconds - prepared) / wanted))
     runs, stops, kills, different = 0, 0, 0, []
     while stops + kills < wanted and not different:
         if runs > 20 and runs > 4 * (stops + kills):

@@ -26,6 +26,9 @@
 #define SILT_INDEPENDENT_ITERATIONS _Pragma("GCC ivdep")
 #endif
 
+// Before an inner loop of a few iterations, which would keep g++ from vectorising the outer one.
+#define SILT_UNROLLED _Pragma("GCC unroll 16")
+
 // Before a function with such a loop, into which all is inlined: g++ 12 vectorises with -O3 only.
 #if defined(__clang__) || !defined(__OPTIMIZE__)
 #define SILT_VECTORISES

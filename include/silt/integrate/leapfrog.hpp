@@ -67,8 +67,8 @@ class Leapfrog {
   /// The damping model with its parameters.
   const D& damping() const noexcept { return damping_; }
 
-  /// Replaces it from the next step on, for example by one without damping after a filling. Not in
-  /// checkpoints. Throws as the constructor does.
+  /// Replaces it from the next step on, for example by one without damping after a filling: between
+  /// two runs, or in an observer's before_step. Not in checkpoints. Throws as the constructor does.
   void set_damping(D damping) {
     if constexpr (requires { damping.check(); }) damping.check();
     damping_ = damping;

@@ -25,6 +25,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -134,7 +135,13 @@ class ListOfStep {
     if (!saved.fits(setup.walls.elements())) return;
     const auto list = take_list();
     saved.restore(grains, *list);
-    list->contact_gap = largest_gap<P::dimension>(setup.materials, radius_range(grains));
+    const auto& radii = list->constants.radii;  // without those of grains added since
+    RadiusRange<Real> range{.smallest = std::numeric_limits<Real>::infinity()};
+    for (Index i = 0; i < radii.size(); ++i) {
+      range = {.smallest = std::min(range.smallest, radii[i]),
+               .largest = std::max(range.largest, radii[i])};
+    }
+    list->contact_gap = largest_gap<P::dimension>(setup.materials, range);
     list->walls_revision = setup.walls.revision();
     Evaluation last;
     last.list = last.list_before = list;

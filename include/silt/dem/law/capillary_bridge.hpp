@@ -21,7 +21,8 @@ namespace silt::dem {
 ///
 /// where D is the gap, 0 while they touch, until it ruptures at D = (1 + θ/2) (V^⅓ + V^⅔/(10 R))
 /// [WillettAdamsJohnsonSeville2000], with the harmonic mean of two radii for their radius of equal
-/// spheres. The liquid has no viscosity, and is not used up.
+/// spheres. At a wall of several elements, such as a mesh, the bridge ends where another element
+/// becomes the nearest. The liquid has no viscosity, and is not used up.
 struct CapillaryBridge {
   double surface_tension = 0;  ///< γ [N/m], above 0
   double contact_angle = 0;    ///< θ [rad] in [0, π/2)

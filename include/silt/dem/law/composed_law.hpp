@@ -27,6 +27,11 @@ class Law {
                 "normal_force(contact, history) that returns a NormalForce "
                 "(see silt/dem/law/law_components.hpp)");
 
+  static_assert(
+      !(HasMaxGap<Normal> && HasMaxGap<Adhesion>),
+      "silt::dem::Law: the normal and the adhesion component both have max_gap(); a contact "
+      "has a neck or a bridge, not both");
+
   template <class Component>
   static constexpr bool has = !std::is_same_v<Component, NoComponent>;
   template <class C, class... Components>
@@ -99,15 +104,16 @@ class Law {
     return evaluate_components(contact, history);
   }
 
-  /// See ContactLaw; of the component with the larger one.
+  /// See ContactLaw; of the component that has one.
   template <class Real>
   Real max_gap(const Real& effective_radius) const
     requires lasts
   {
-    Real gap(0);
-    if constexpr (HasMaxGap<Normal>) gap = normal.max_gap(effective_radius);
-    if constexpr (HasMaxGap<Adhesion>) gap = larger(gap, Real(adhesion.max_gap(effective_radius)));
-    return gap;
+    if constexpr (HasMaxGap<Normal>) {
+      return normal.max_gap(effective_radius);
+    } else {
+      return adhesion.max_gap(effective_radius);
+    }
   }
 
   /// Stiffness of all springs; available if every component provides its own.
@@ -213,14 +219,26 @@ class Law {
     ElasticEnergies energies{.normal = energy_of(normal, contact, history.normal),
                              .tangential = energy_of(tangential, contact, history.tangential),
                              .rolling = energy_of(rolling, contact, history.rolling),
-                             .adhesion = energy_of(adhesion, contact, history.adhesion)};
+                             .adhesion = adhesion_energies(contact, history)};
     if constexpr (lasts) {
       C last = contact;
       last.overlap = -max_gap(contact.effective_radius);
-      energies.at_end =
-          energy_of(normal, last, history.normal) + energy_of(adhesion, last, history.adhesion);
+      if (contact.overlap < 0) {
+        energies.at_end =
+            energy_of(normal, last, history.normal) + adhesion_energies(last, history);
+      }
     }
     return energies;
+  }
+
+  // With the part of the normal component that is attraction.
+  template <class C, class M>
+  double adhesion_energies(const C& contact, const M& history) const {
+    double energy = energy_of(adhesion, contact, history.adhesion);
+    if constexpr (requires { normal.adhesion_energy(contact, history.normal); }) {
+      energy += double(normal.adhesion_energy(contact, history.normal));
+    }
+    return energy;
   }
 
   template <class Component, class C, class M>

@@ -83,9 +83,9 @@ struct ElasticEnergies {
   double normal = 0;
   double tangential = 0;
   double rolling = 0;   ///< and twisting
-  double adhesion = 0;  ///< not above 0: minus the work needed to separate the two
-  double at_end = 0;    ///< for a law with max_gap(): normal and adhesion when the contact ends,
-                      ///< which is then lost; not in the sum
+  double adhesion = 0;  ///< minus the work needed to separate the two; above 0 in a gap
+  double at_end = 0;    ///< of a contact in a gap: normal and adhesion when it ends, which is then
+                        ///< lost; not in the sum
 
   /// Energy of all springs [J].
   double sum() const { return normal + tangential + rolling + adhesion; }

@@ -6,6 +6,7 @@
 #include <silt/dem/law/dashpot.hpp>
 
 #include <cmath>
+#include <limits>
 
 namespace silt::dem {
 
@@ -33,14 +34,15 @@ struct StepsOfContact {
   template <class C>
   SharesOfStep<C> next(const C& contact, const Real& gap) {
     using std::abs;
-    const Real change = Real(abs(contact.approach_speed())) * contact.kick();
+    const Real moved = Real(abs(contact.approach_speed())) * contact.kick();
+    const Real change = larger(moved, Real(std::numeric_limits<float>::min()));
+    const Real overlap = larger(Real(0), Real(contact.overlap));
+    const Real left = larger(Real(0), Real(contact.overlap + gap));
     const bool begins = number < 2 && !(contact.first_time_step > 0);
     SharesOfStep<C> shares{.of_beginning = Real(0), .of_end = Real(0), .contact = contact};
-    shares.of_beginning =
-        choose(begins, Real(1 - share_of_step(Real(contact.overlap), change)), Real(0));
-    const Real left = contact.overlap + gap;
+    shares.of_beginning = choose(begins, Real(1 - share_of_step(overlap, change)), Real(0));
     shares.of_end = choose(begins, Real(0), Real(1 - share_of_step(left, change)));
-    shares.contact.overlap = choose(begins, Real(contact.overlap), left);
+    shares.contact.overlap = choose(begins, overlap, left);
     number = choose(contact.first_time_step > 0, Real(2), smaller(Real(2), Real(number + 1)));
     return shares;
   }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <silt/core/cube_root.hpp>
+#include <silt/core/lane.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/dashpot.hpp>
@@ -25,7 +26,8 @@ namespace silt::dem {
 /// The contact begins at δ = 0, with −8/9 F_c, and ends at the gap 3 a_c²/R*, a_c³ = π w R*²/(8
 /// E*), with −5/9 F_c, where F_c = 3/2 π w R* is the largest tension. The dashpot is Tsuji's, c = 2
 /// √(5/6) ζ √(S m*) with S = 2 E* a. Friction and rolling resistance are limited by F + 2 F_c
-/// [Thornton1991]. For large, soft spheres; for small, stiff ones DmtAdhesion.
+/// [Thornton1991]. At a wall of several elements, such as a mesh, the neck ends where another
+/// element becomes the nearest. For large, soft spheres; for small, stiff ones DmtAdhesion.
 struct Jkr {
   Elastic elastic = {};
   double surface_energy = 0;     ///< γ [J/m²] of one surface, above 0
@@ -71,13 +73,20 @@ struct Jkr {
             .contact_radius = a};
   }
 
-  /// 0 at δ = 0; the work from there to the end is lost when the contact ends [J].
+  /// Of the force F + 2 F_c, from the end of the contact on [J].
   template <class C, class M>
   double elastic_energy(const C& contact, const M&) const {
     const double R = double(contact.effective_radius);
-    const double a = double(contact_radius(contact));
+    return energy_at(double(contact_radius(contact)), R) - energy_at(last_radius(R), R) +
+           attraction_energy(contact);
+  }
+  /// Of the attraction −2 F_c, so that the sum of both is 0 at δ = 0; the work from there to the
+  /// end is lost when the contact ends [J].
+  template <class C, class M>
+  double adhesion_energy(const C& contact, const M&) const {
+    const double R = double(contact.effective_radius);
     const double a_0 = squared(cube_root(attraction() * R));
-    return energy_at(a, R) - energy_at(a_0, R);
+    return energy_at(last_radius(R), R) - energy_at(a_0, R) - attraction_energy(contact);
   }
 
   /// S, which exceeds dF/dδ.
@@ -112,6 +121,15 @@ struct Jkr {
     return std::sqrt(2 * std::numbers::pi * work_of_adhesion() / elastic.contact_modulus());
   }
 
+  // a_c [m].
+  double last_radius(double R) const { return squared(root_of_smallest_radius(R)); }
+  // 2 F_c times the distance to the end of the contact [J].
+  template <class C>
+  double attraction_energy(const C& contact) const {
+    const double R = double(contact.effective_radius);
+    return 3 * std::numbers::pi * work_of_adhesion() * R * (double(contact.overlap) + max_gap(R));
+  }
+
   // √a_c [m^½].
   template <class Real>
   Real root_of_smallest_radius(const Real& effective_radius) const {
@@ -126,12 +144,14 @@ struct Jkr {
     const Real R_delta = contact.effective_radius * contact.overlap;
     const Real factor = Real(attraction()) * contact.effective_radius;
     const Real least = root_of_smallest_radius(contact.effective_radius);
-    // From above: the parabola at the least b, which is exact near it, or the sum of the roots
+    // b from above: the parabola at the least b, which is exact near it, or the sum of the roots
     // without R* δ and without adhesion.
     const Real rise = larger(Real(0), Real(3 * squared(squared(least)) + R_delta));
     const Real parabola = least + sqrt(Real(rise / (6 * squared(least))));
-    const Real sum = Real(std::cbrt(4.0)) * least + sqrt(Real(sqrt(larger(Real(0), R_delta))));
+    // ∛4 = 1.587…
+    const Real sum = Real(1.5874010519681994) * least + sqrt(Real(sqrt(larger(Real(0), R_delta))));
     Real b = smaller(parabola, sum);
+    SILT_UNROLLED
     for (int n = 0; n < 6; ++n) {
       const Real cube = b * b * b;
       // At the least b the derivative is 0 but for rounding errors.

@@ -18,9 +18,10 @@
 //   elastic_energy(contact)             → [J]; followed by the history, if there is one. Contacts
 //                                         check the energy of a step only if all components but
 //                                         that of adhesion have it
+//   adhesion_energy(contact, history)   → [J], of NormalForce::adhesion; normal component
 //   max_gap(effective_radius)           → the gap [m] at which a contact that has begun ends;
-//                                         normal and adhesion component. In a gap the others get
-//                                         an overlap of 0
+//                                         normal or adhesion component, not both. In a gap the
+//                                         others get an overlap of 0
 //   mix(a, b)  (static)                 → the component for a contact between two materials
 #pragma once
 

@@ -48,14 +48,14 @@ class Materials {
   /// laws, or if a parameter of a law is out of range.
   static Materials of_pairs(std::initializer_list<std::initializer_list<Law>> rows) {
     if (rows.size() == 0) fail("Materials::of_pairs: there is no row; give at least one law");
-    Materials all;
+    Materials all(Empty{});
     all.count_ = rows.size();
     Index a = 0;
     for (const auto& row : rows) {
       if (row.size() != all.count_ - a) {
         fail({"Materials::of_pairs: row ", a, " has ", row.size(), " laws, but there are ",
-              all.count_, " rows; give the ", all.count_ - a, " laws of material ", a,
-              " with itself and the following ones"});
+              all.count_, " rows; it needs ", all.count_ - a, ", of material ", a,
+              " with itself and each following one"});
       }
       if (all.table_.empty()) all.table_.assign(all.count_ * all.count_, *row.begin());
       Index b = a;
@@ -97,7 +97,8 @@ class Materials {
   }
 
  private:
-  Materials() = default;
+  struct Empty {};
+  explicit Materials(Empty) {}
 
   void set_pair(Index a, Index b, const Law& law) {
     if constexpr (requires { law.check(); }) law.check();

@@ -3,6 +3,7 @@
 // before the whole contact slides.
 #pragma once
 
+#include <silt/core/lane.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/elastic.hpp>
@@ -73,6 +74,7 @@ struct MindlinDeresiewicz {
     Vec before = Vec::Zero();
     Real energy = 0;
     Real share_inside = 0;
+    SILT_UNROLLED
     for (std::size_t s = 0; s < springs; ++s) {
       const Real inner = Real(double(s)) * history.spacing;
       const Real width = width_of(inner, a, history);
@@ -144,7 +146,9 @@ struct MindlinDeresiewicz {
     const bool is_far_too_short = 2 * extent < a;
     using Vec = typename decltype(history.force)::value_type;
     Vec sum = Vec::Zero();
+    SILT_UNROLLED
     for (const Vec& force : history.force) sum += force;
+    SILT_UNROLLED
     for (std::size_t s = 0; s < springs; ++s) {
       Vec pair = Vec::Zero();
       if (2 * s + 1 < springs) pair = history.force[2 * s] + history.force[2 * s + 1];
