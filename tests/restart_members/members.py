@@ -78,7 +78,7 @@ NOT_STORED = {
                    "saved_": ROLLBACK, "memory_": MEMORY},
     "SavedList": all_of("is that of a box without periodic sides", "origin_.extent.periodic origin_.extent.on_escape"),
     "ReusableList": {**all_of("SavedList names them", "since margin time extent stable_time_step added contacts"),
-                     **all_of(NUMBER, "rows_revision walls_revision"), **all_of(ANEW, "boxes largest_radius"),
+                     **all_of(NUMBER, "rows_revision walls_revision"), **all_of(ANEW, "boxes largest_radius contact_gap"),
                      "constants": "those of the grains: a list of others is not stored"},
     "Histories": {"numbers_": "ContactsOf::history() has them", "touching_": "ContactsOf::history() has them"},
     "MeanMotion": {**all_of(ANEW, "duration_ v_ w_ stays_"),

@@ -8,7 +8,7 @@
 
 namespace silt {
 
-/// ∛x of a number from 1e-100 to 1e100, in float from 1e-30 to 1e30, to a few units in the last
+/// ∛x [-] of a number from 1e-100 to 1e100, in float from 1e-30 to 1e30, to a few units in the last
 /// place; for any scalar with a square root.
 template <class Real>
 Real cube_root(const Real& x) {

@@ -14,15 +14,15 @@ namespace silt::dem {
 /// step, for second order in the time step; see share_of_step().
 template <class C>
 struct SharesOfStep {
-  typename C::Real of_beginning;  ///< 0 but in the first two steps
-  typename C::Real of_end;        ///< 0 but in the last two
+  typename C::Real of_beginning;  ///< 0 but in the first two steps [-]
+  typename C::Real of_end;        ///< 0 but in the last two [-]
   C contact;                      ///< with the overlap by which CentredDashpot weights its force
 };
 
 /// How many steps a contact has had, up to two; a history.
 template <class Real>
 struct StepsOfContact {
-  Real number = 0;
+  Real number = 0;  ///< [-]
 
   template <class Archive>
   void transfer(Archive& archive) {

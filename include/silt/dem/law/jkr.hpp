@@ -35,8 +35,8 @@ struct Jkr {
 
   template <int, class Real>
   struct History {
-    CentredDashpot::History<Real> dashpot{};
-    StepsOfContact<Real> steps{};
+    CentredDashpot::History<Real> dashpot{};  ///< its speed before
+    StepsOfContact<Real> steps{};             ///< of the contact, up to two
 
     template <class Archive>
     void transfer(Archive& archive) {

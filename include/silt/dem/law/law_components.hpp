@@ -44,8 +44,7 @@ struct NormalForce {
   Real stiffness = 0;  ///< dF_n/dδ of the spring [N/m]
   Real beta = 0;       ///< ratio of dashpot to spring, c/k [s]
   Real plastic = 0;    ///< energy dissipated in this step by a yielding spring [J]
-  Real adhesion =
-      0;  ///< in addition to the spring, negative if attractive; does not limit friction [N]
+  Real adhesion = 0;   ///< besides the spring, negative if attractive; limits no friction [N]
   Real contact_radius = 0;  ///< of the contact area [m]; 0: √(R* δ)
 };
 

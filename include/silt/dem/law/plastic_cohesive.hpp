@@ -31,7 +31,7 @@ struct PlasticCohesive {
 
   template <int, class Real>
   struct History {
-    CentredDashpot::History<Real> dashpot{};
+    CentredDashpot::History<Real> dashpot{};  ///< its speed before
     Real max_overlap = 0;  ///< δ_max [m]
     Real overlap = 0;      ///< of the previous step [m]
     Real force = 0;        ///< of the spring in the previous step [N]
