@@ -155,7 +155,7 @@ std::vector<NamedLaw<Dim>> all_laws() {
       {"Hertz", law(dem::Law{hertz})},
       {"Hertz and Mindlin", law(dem::Law{hertz, mindlin})},
       {"Hertz and Mindlin by displacement", law(dem::Law{hertz, displacement})},
-      {"Hertz with partial slip", law(dem::Law{hertz, partial_slip})},
+      {"Hertz, Mindlin and Deresiewicz", law(dem::Law{hertz, partial_slip})},
       {"Jkr and Mindlin", law(dem::Law{jkr, mindlin})},
       {"Hertz, Mindlin and liquid bridges", law(dem::Law{hertz, mindlin, bridge})},
       {"Hertz, Mindlin, rolling resistance and adhesion",

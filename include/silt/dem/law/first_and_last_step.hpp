@@ -38,12 +38,13 @@ struct StepsOfContact {
     const Real change = larger(moved, Real(std::numeric_limits<float>::min()));
     const Real overlap = larger(Real(0), Real(contact.overlap));
     const Real left = larger(Real(0), Real(contact.overlap + gap));
-    const bool begins = number < 2 && !(contact.first_time_step > 0);
+    const Real before = choose(contact.first_time_step > 0, Real(2), number);
+    const bool begins = before < 2;
     SharesOfStep<C> shares{.of_beginning = Real(0), .of_end = Real(0), .contact = contact};
     shares.of_beginning = choose(begins, Real(1 - share_of_step(overlap, change)), Real(0));
     shares.of_end = choose(begins, Real(0), Real(1 - share_of_step(left, change)));
     shares.contact.overlap = choose(begins, overlap, left);
-    number = choose(contact.first_time_step > 0, Real(2), smaller(Real(2), Real(number + 1)));
+    number = smaller(Real(2), Real(before + 1));
     return shares;
   }
 };

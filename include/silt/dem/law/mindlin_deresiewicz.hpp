@@ -3,7 +3,6 @@
 // before the whole contact slides.
 #pragma once
 
-#include <silt/core/lane.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/law/contact.hpp>
 #include <silt/dem/law/elastic.hpp>
@@ -14,6 +13,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 namespace silt::dem {
 
@@ -74,8 +74,7 @@ struct MindlinDeresiewicz {
     Vec before = Vec::Zero();
     Real energy = 0;
     Real share_inside = 0;
-    SILT_UNROLLED
-    for (std::size_t s = 0; s < springs; ++s) {
+    for_each_spring([&](std::size_t s) {
       const Real inner = Real(double(s)) * history.spacing;
       const Real width = width_of(inner, a, history);
       const Real width_before = width_of(inner, history.radius, history);
@@ -94,7 +93,7 @@ struct MindlinDeresiewicz {
       energy += result.spring.squaredNorm() /
                 larger(Real(2 * slider.stiffness), Real(std::numeric_limits<float>::min()));
       history.force[s] = result.spring;
-    }
+    });
     // The work on the springs is that of the mean of the forces before and after.
     const Real work = -Real((before + all.spring).dot(v)) * contact.time_step / 2;
     all.friction = larger(Real(0), Real(history.energy + work - energy));
@@ -123,6 +122,14 @@ struct MindlinDeresiewicz {
   }
 
  private:
+  // f(s) for each spring; without a loop, which would keep g++ from vectorising that over contacts.
+  template <class F>
+  static void for_each_spring(F&& f) {
+    [&]<std::size_t... s>(std::index_sequence<s...>) {
+      (f(s), ...);
+    }(std::make_index_sequence<springs>());
+  }
+
   // The part of the normal force within x, from ξ = x/a.
   template <class Real>
   static Real share_within(const Real& xi) {
@@ -146,10 +153,8 @@ struct MindlinDeresiewicz {
     const bool is_far_too_short = 2 * extent < a;
     using Vec = typename decltype(history.force)::value_type;
     Vec sum = Vec::Zero();
-    SILT_UNROLLED
-    for (const Vec& force : history.force) sum += force;
-    SILT_UNROLLED
-    for (std::size_t s = 0; s < springs; ++s) {
+    for_each_spring([&](std::size_t s) { sum += history.force[s]; });
+    for_each_spring([&](std::size_t s) {
       Vec pair = Vec::Zero();
       if (2 * s + 1 < springs) pair = history.force[2 * s] + history.force[2 * s + 1];
       const Vec all = s == 0 ? sum : Vec(Vec::Zero());
@@ -157,7 +162,7 @@ struct MindlinDeresiewicz {
         history.force[s][k] =
             choose(is_far_too_short, all[k], choose(is_short, pair[k], history.force[s][k]));
       }
-    }
+    });
     history.spacing = choose(is_far_too_short, Real(a / number),
                              choose(is_short, Real(2 * history.spacing), Real(history.spacing)));
   }
