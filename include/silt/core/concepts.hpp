@@ -251,6 +251,10 @@ concept PressureInteraction =
       i.correct(p, dt);
     };
 
+/// Whether F is one of the Fs.
+template <class F, class... Fs>
+inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
+
 /// T writes field F only through Particles::advance or after Particles::keep, so that the
 /// simulation need not save it.
 template <class T, class F>

@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 namespace silt {
@@ -38,6 +39,58 @@ struct MassProperties {
   Vec<Dim> centre = Vec<Dim>::Zero();              ///< of mass [m]
   Inertia<Dim> inertia = zero_of<Inertia<Dim>>();  ///< about the centre
 };
+
+/// Row by row.
+template <class InertiaType>
+std::string inertia_to_text(const InertiaType& moment) {
+  if constexpr (std::is_same_v<InertiaType, double>) {
+    return to_text(moment);
+  } else {
+    return to_text(Vec<3>(moment.row(0))) + " " + to_text(Vec<3>(moment.row(1))) + " " +
+           to_text(Vec<3>(moment.row(2)));
+  }
+}
+
+/// Whether it may be that of a body of some size [kg m²].
+template <class InertiaType>
+bool is_inertia(const InertiaType& moment) {
+  if constexpr (std::is_same_v<InertiaType, double>) {
+    return moment > 0 && is_finite(moment);
+  } else {
+    return moment.allFinite() && moment.isApprox(moment.transpose()) && moment(0, 0) > 0 &&
+           moment.template topLeftCorner<2, 2>().determinant() > 0 && moment.determinant() > 0;
+  }
+}
+
+/// Throws if mass, centre or moment of inertia is not possible; `name` identifies them.
+template <int Dim>
+void require_valid(const std::string& name, const MassProperties<Dim>& body) {
+  require_positive((name + ": mass_properties: mass").c_str(), body.mass);
+  require_finite((name + ": mass_properties: centre").c_str(), body.centre);
+  if (is_inertia(body.inertia)) return;
+  fail({name, ": mass_properties: inertia = ", inertia_to_text(body.inertia),
+        " kg m² must be finite and ",
+        Dim == 2 ? "above 0" : "symmetric, with a positive one about each axis",
+        "; give it about the centre of mass"});
+}
+
+/// Those of a homogeneous body [kg/m³] from its volume and the moments ∫x dV and ∫x xᵀ dV of the
+/// vector x from `origin` [m].
+template <int Dim>
+MassProperties<Dim> homogeneous(const Vec<Dim>& origin, double density, double volume,
+                                const Vec<Dim>& first, Eigen::Matrix<double, Dim, Dim> second) {
+  MassProperties<Dim> body;
+  body.mass = density * volume;
+  const Vec<Dim> centre = first / volume;
+  body.centre = origin + centre;
+  second = density * (second - volume * (centre * centre.transpose()));
+  if constexpr (Dim == 2) {
+    body.inertia = second.trace();
+  } else {
+    body.inertia = second.trace() * Eigen::Matrix<double, 3, 3>::Identity() - second;
+  }
+  return body;
+}
 
 /// Those of a homogeneous body [kg/m³] inside closed faces, whose normals are all outwards or all
 /// inwards. Throws if the faces are not closed or have no volume; `name` identifies them.
@@ -90,18 +143,8 @@ MassProperties<Dim> mass_properties_of(const std::string& name, const std::vecto
   if (!(std::abs(volume) > 0) || !is_finite(volume)) {
     fail({name, ": the faces enclose no volume; give a closed surface"});
   }
-  MassProperties<Dim> body;
   const double sign = volume > 0 ? 1 : -1;
-  body.mass = density * sign * volume;
-  const Vec<Dim> centre = first / volume;
-  body.centre = origin + centre;
-  second = density * sign * (second - volume * (centre * centre.transpose()));
-  if constexpr (Dim == 2) {
-    body.inertia = second.trace();
-  } else {
-    body.inertia = second.trace() * Eigen::Matrix<double, 3, 3>::Identity() - second;
-  }
-  return body;
+  return homogeneous(origin, density * sign, volume, first, second);
 }
 
 }  // namespace silt

@@ -55,4 +55,19 @@ struct GlobalDamping {
   }
 };
 
+/// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28), from v^{N−½} and the acceleration at N.
+template <class D, class Real>
+[[gnu::always_inline]] inline Real kicked_to_mean(const D& damping, Real v, Real a, Real dt) {
+  return static_cast<Real>((damping.kicked(v, a, dt) + v) / 2);
+}
+/// v^{N−½} from v^N and the acceleration at N.
+template <class D, class Real>
+[[gnu::always_inline]] inline Real half_step_back(const D& damping, Real v, Real a, Real dt) {
+  if constexpr (requires { damping.half_step_before(v, a, dt); }) {
+    return static_cast<Real>(damping.half_step_before(v, a, dt));
+  } else {
+    return static_cast<Real>(v - a * (dt / 2));
+  }
+}
+
 }  // namespace silt

@@ -22,10 +22,6 @@
 
 namespace silt {
 
-/// Whether F is one of the Fs.
-template <class F, class... Fs>
-inline constexpr bool one_of = (std::same_as<F, Fs> || ...);
-
 namespace detail {
 /// Throws if a mass or moment of inertia, by which forces and torques are divided, is not positive
 /// and finite.

@@ -10,6 +10,7 @@
 #include <silt/core/rows_of_four.hpp>
 #include <silt/core/simd.hpp>
 #include <silt/core/types.hpp>
+#include <silt/integrate/damping.hpp>
 #include <silt/integrate/motion_in_columns.hpp>
 #include <silt/integrate/motion_in_rows.hpp>
 
@@ -117,19 +118,13 @@ class MotionOf : public MotionInStorage<P> {
   }
   template <class D>
   [[gnu::always_inline]] void change(State& p, const KickToMean<D>& by) const {
-    Storage::change_velocities(p, [&](Real& v, Real a) {
-      v = static_cast<Real>((by.damping.kicked(v, a, Real(by.dt)) + v) / 2);
-    });
+    Storage::change_velocities(
+        p, [&](Real& v, Real a) { v = kicked_to_mean(by.damping, v, a, Real(by.dt)); });
   }
   template <class D>
   [[gnu::always_inline]] void change(State& p, const StepBack<D>& by) const {
-    Storage::change_velocities(p, [&](Real& v, Real a) {
-      if constexpr (requires { by.damping.half_step_before(v, a, Real(by.dt)); }) {
-        v = static_cast<Real>(by.damping.half_step_before(v, a, Real(by.dt)));
-      } else {
-        v = static_cast<Real>(v - a * Real(by.dt / 2));
-      }
-    });
+    Storage::change_velocities(
+        p, [&](Real& v, Real a) { v = half_step_back(by.damping, v, a, Real(by.dt)); });
   }
   [[gnu::always_inline]] void change(State& p, const Drift& by) const { Storage::drift(p, by.dt); }
 

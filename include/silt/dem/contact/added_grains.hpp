@@ -95,6 +95,7 @@ ContactList::PairsOfBlock find_added(const P& grains, const Walls& walls, const 
   ContactList::PairsOfBlock found;
   for (Index i = known; i < grains.size(); ++i) {
     const auto add_pair_with = [&](Index j, const Vec& since_j) {
+      if (are_of_one_clump(grains, i, j)) return;
       const Real limit = R[i] + R[j] + list.reach_of_pairs();
       if (!(image(Vec(since_j - x[i])).squaredNorm() < squared(limit))) return;
       const bool in_order = grains.id(i) < grains.id(j);

@@ -49,7 +49,7 @@ class Contacts {
     static_assert(HasFields<P, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t, radius_t,
                             material_t>,
                   "silt::dem::Contacts: these particles lack a field of dem::Grains");
-    static_assert(in_rows_with_radius<P>(),
+    static_assert(in_rows_with_radius<P, decltype(detail::mass_in_contacts<P>())>(),
                   "silt::dem::Contacts: these particles are not stored as dem::Grains; use "
                   "dem::Grains<Dim, Real, further_fields…>");
     static_assert(ContactLaw<Law, P::dimension, typename P::Real>,

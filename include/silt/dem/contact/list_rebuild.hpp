@@ -320,6 +320,7 @@ void find_contacts(const P& grains, const S& search, const Walls& walls, List& l
       const Index j = grains.owner(found_j);
       // A pair across a periodic side is found at both grains, if both are owned; one is enough.
       if (j != found_j && j < grains.size() && grains.id(j) < grains.id(i)) return;
+      if (are_of_one_clump(grains, i, j)) return;
       const Real limit = R[i] + R[j] + reach;
       if (!(image(typename P::Vec(x[j] - x[i])).squaredNorm() < squared(limit))) return;
       const bool in_order = grains.id(i) < grains.id(j);

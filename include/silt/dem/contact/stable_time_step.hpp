@@ -13,6 +13,7 @@
 #include <silt/dem/contact/elementary_time_steps.hpp>
 #include <silt/dem/contact/single_contacts.hpp>
 #include <silt/dem/law/contact.hpp>
+#include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
 #include <array>
@@ -97,6 +98,9 @@ std::array<double, 3> three_components(const Eigen::Matrix<Real, Dim, 1>& vector
 /// ½ k ((1 + 1/a) (g_i·q_i)² + (1 + a) (g_j·q_j)²), a share of each of the two grains, for any
 /// a > 0. The maximum, over all grains, of the largest eigenvalue of the sum of a grain's shares is
 /// an upper bound of ω² of the whole system, for a = m_j/m_i exact for a single pair.
+///
+/// The spheres of clumps count as free ones: to hold them together does not raise ω, since the
+/// masses and moments of inertia of the spheres of a clump add up to at most those of the clump.
 class FrequencyBound {
   using Matrix = std::array<std::array<double, 6>, 6>;
 
@@ -200,6 +204,7 @@ class BoundsOfGrains {
         x_(grains.with_halo(position)),
         R_(grains.with_halo(radius)),
         m_(grains.with_halo(mass)),
+        resisting_m_(grains.with_halo(mass_in_contacts<P>())),
         I_(grains[inertia]),
         image_(grains.box()) {}
 
@@ -215,12 +220,11 @@ class BoundsOfGrains {
   StabilityBounds contribution(Index i, Index c, const Lever& lever) const {
     const ContactBodies bodies = bodies_of(list_, c);
     Contact<P::dimension, Real> contact;
-    contact.effective_mass = m_[bodies.i];
+    contact.effective_mass = effective(resisting_m_, bodies);
     contact.effective_radius = R_[bodies.i];
     // Springs may stiffen with the overlap.
     contact.overlap = margin_;
     if (bodies.j != no_index) {
-      contact.effective_mass *= m_[bodies.j] / (m_[bodies.i] + m_[bodies.j]);
       contact.effective_radius *= R_[bodies.j] / (R_[bodies.i] + R_[bodies.j]);
       const Real distance = image_(typename P::Vec(x_[bodies.j] - x_[bodies.i])).norm();
       contact.overlap += std::max<Real>(0, R_[bodies.i] + R_[bodies.j] - distance);
@@ -229,10 +233,15 @@ class BoundsOfGrains {
       contact.overlap += std::max<Real>(0, R_[bodies.i] - at.distance);
     }
     const double share =
-        share_of(double(m_[i]), double(contact.effective_mass), Shares::by_root_mass);
+        share_of(double(m_[i]), double(effective(m_, bodies)), Shares::by_root_mass);
     const Stiffness k = law_of_(c).stiffness(contact);
     check_stiffness(k, [] { return "a contact of this grain"; }, {i, grains_.id(i)});
     return contribution_bound(k, share, lever);
+  }
+  template <class Masses>
+  static Real effective(const Masses& m, const ContactBodies& bodies) {
+    if (bodies.j == no_index) return m[bodies.i];
+    return m[bodies.i] * (m[bodies.j] / (m[bodies.i] + m[bodies.j]));
   }
 
   const P& grains_;
@@ -243,6 +252,7 @@ class BoundsOfGrains {
   decltype(std::declval<const P&>().with_halo(position)) x_;
   decltype(std::declval<const P&>().with_halo(radius)) R_;
   decltype(std::declval<const P&>().with_halo(mass)) m_;
+  decltype(std::declval<const P&>().with_halo(mass_in_contacts<P>())) resisting_m_;
   decltype(std::declval<const P&>()[inertia]) I_;
   NearestImage<P::dimension, Real> image_;
 };
@@ -354,6 +364,12 @@ void check_stability(const P& grains, const ContactsOfStep& contacts, double dt)
     const auto R = grains.with_halo(radius);
     LinearisedContact& each = linearised[c];
     each = {.touches = true, .stiffness = k, .effective_mass = double(contact.effective_mass)};
+    if constexpr (HasFields<P, clump_mass_t>) {
+      const auto m = grains.with_halo(mass);
+      const double m_i = double(m[bodies.i]);
+      each.effective_mass =
+          bodies.j == no_index ? m_i : m_i * double(m[bodies.j]) / (m_i + double(m[bodies.j]));
+    }
     each.normal = three_components(contact.normal);
     each.arms[0] = double(R[bodies.i] - arm_reduction);
     if (bodies.j != no_index) each.arms[1] = double(R[bodies.j] - arm_reduction);

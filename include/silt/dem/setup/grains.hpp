@@ -17,22 +17,30 @@ namespace silt::dem {
 inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};  ///< of a grain: an index in dem::Materials [-]
 
+/// Of a sphere of a clump, see dem/clump/clumps.hpp: 1 + the id of its first sphere [-]; 0 of a
+/// grain that belongs to none.
+inline constexpr struct clump_t : field_of<Id>, constant_field {
+} clump{};
+/// Mass of the clump to which a sphere belongs, which resists its contacts [kg]; of a grain that
+/// belongs to none, its own. `mass` is the sphere's share of it.
+inline constexpr struct clump_mass_t : scalar_field, constant_field {
+} clump_mass{};
+
 namespace detail {
 // The contacts read position, radius, velocity, mass and spin of single grains: they are stored
-// side by side, in groups of four numbers.
-template <int Dim, class Real, Field... Further>
+// side by side, in groups of four numbers. `Mass` is the one that resists contacts.
+template <int Dim, class Real, Field Mass, Field... Further>
 struct GrainsOf {
   using type = Particles<Dim, Real, velocity_t, spin_t, force_t, torque_t, mass_t, inertia_t,
                          radius_t, material_t, Further...,
-                         Bundle<position_t, radius_t, velocity_t, mass_t>,
-                         Bundle<spin_t, inertia_t>>;
+                         Bundle<position_t, radius_t, velocity_t, Mass>, Bundle<spin_t, inertia_t>>;
 };
 // In 3D the time integral of the spin is not an orientation. If it is needed, add angle_t.
-template <class Real, Field... Further>
-struct GrainsOf<2, Real, Further...> {
+template <class Real, Field Mass, Field... Further>
+struct GrainsOf<2, Real, Mass, Further...> {
   using type = Particles<2, Real, velocity_t, spin_t, angle_t, force_t, torque_t, mass_t, inertia_t,
                          radius_t, material_t, Further...,
-                         Bundle<position_t, radius_t, mass_t, velocity_t, spin_t, inertia_t>>;
+                         Bundle<position_t, radius_t, Mass, velocity_t, spin_t, inertia_t>>;
 };
 }  // namespace detail
 
@@ -40,7 +48,35 @@ struct GrainsOf<2, Real, Further...> {
 /// have a position [m], velocity [m/s], spin [rad/s], force [N], torque [N m], mass [kg], moment of
 /// inertia [kg m²], radius [m] and material.
 template <int Dim, class Real = double, Field... Further>
-using Grains = typename detail::GrainsOf<Dim, Real, Further...>::type;
+using Grains = typename detail::GrainsOf<Dim, Real, mass_t, Further...>::type;
+
+/// Grains of which some, or all, are spheres of clumps, see dem/clump/clumps.hpp.
+template <int Dim, class Real = double, Field... Further>
+using ClumpGrains =
+    typename detail::GrainsOf<Dim, Real, clump_mass_t, clump_t, clump_mass_t, Further...>::type;
+
+namespace detail {
+/// The mass that resists the contacts of a grain.
+template <class P>
+constexpr auto mass_in_contacts() {
+  if constexpr (HasFields<P, clump_mass_t>) {
+    return clump_mass;
+  } else {
+    return mass;
+  }
+}
+/// Whether the grains i and j, the halo included, belong to the same clump: they have no contact.
+template <class P>
+bool are_of_one_clump([[maybe_unused]] const P& grains, [[maybe_unused]] Index i,
+                      [[maybe_unused]] Index j) {
+  if constexpr (HasFields<P, clump_t>) {
+    const auto clumps = grains.with_halo(clump);
+    return clumps[i] != 0 && clumps[i] == clumps[j];
+  } else {
+    return false;
+  }
+}
+}  // namespace detail
 
 /// Shape that determines mass m [kg] and moment of inertia I [kg m²] of a grain.
 enum class Shape {
@@ -124,9 +160,11 @@ template <class P>
 Index add_grain(P& grains, const typename P::Vec& x, const Grain& grain) {
   using Real = typename P::Real;
   const auto [m, I] = detail::inertia_of<P>(grain);
-  return grains.add(x, Initial{radius, Real(grain.radius)}, Initial{mass, Real(m)},
-                    Initial{inertia, Real(I)},
-                    Initial{material, static_cast<std::uint32_t>(grain.material)});
+  const Index i = grains.add(x, Initial{radius, Real(grain.radius)}, Initial{mass, Real(m)},
+                             Initial{inertia, Real(I)},
+                             Initial{material, static_cast<std::uint32_t>(grain.material)});
+  if constexpr (HasFields<P, clump_mass_t>) grains[clump_mass][i] = Real(m);
+  return i;
 }
 
 /// Equal grains at rest at these points [m], in an unbounded box (set_box() gives them another);

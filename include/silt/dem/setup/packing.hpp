@@ -14,6 +14,7 @@
 #include <silt/dem/setup/random.hpp>
 #include <silt/dem/setup/region.hpp>
 #include <silt/dem/setup/size_distribution.hpp>
+#include <silt/geometry/ball.hpp>
 
 #include <algorithm>
 #include <array>
@@ -42,13 +43,6 @@ struct Scatter {
 
 namespace detail {
 
-/// A grain's outline.
-template <int Dim, class Real>
-struct Ball {
-  Vec<Dim, Real> centre;  ///< [m]
-  Real radius;            ///< [m]
-};
-
 /// Finds overlaps with grains that are added one by one. There is one grid per size class, and the
 /// cell size doubles from class to class; each grain is stored in a cell of the grid of its class.
 /// A query visits the few cells around it in every grid, or all grains of a grid with more cells
@@ -57,7 +51,7 @@ template <int Dim, class Real>
 class Occupancy {
  public:
   using Vec = silt::Vec<Dim, Real>;
-  using Ball = detail::Ball<Dim, Real>;
+  using Ball = silt::Ball<Dim, Real>;
 
   /// Only the periodic sides of the box matter.
   explicit Occupancy(const Box<Dim, Real>& box) : box_(box) {}
@@ -151,7 +145,7 @@ class Occupancy {
 template <class Region, int Dim, class Real>
 class Placement {
  public:
-  using Ball = detail::Ball<Dim, Real>;
+  using Ball = silt::Ball<Dim, Real>;
 
   /// Existing grains that may overlap the region are taken into account. `largest` is the radius of
   /// the largest grain to be placed [m].

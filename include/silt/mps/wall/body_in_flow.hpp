@@ -58,7 +58,7 @@ class BodyInFlow {
     }
     if (body.mass_properties) {
       mass_ = *body.mass_properties;
-      detail::require_valid(name, mass_);
+      require_valid(name, mass_);
       const MassProperties<Dim> of_volume = mass_properties_of(name, body.faces, 1);  // or throws
       volume_ = of_volume.mass;
       centre_of_volume_ = of_volume.centre;
@@ -68,9 +68,9 @@ class BodyInFlow {
       volume_ = mass_.mass / body.density;
       centre_of_volume_ = mass_.centre;
       require_positive((name + ": mass").c_str(), mass_.mass);
-      if (!detail::is_inertia(mass_.inertia)) {
+      if (!is_inertia(mass_.inertia)) {
         fail({name, ": the moment of inertia that follows from its faces is ",
-              detail::text_of(mass_.inertia),
+              inertia_to_text(mass_.inertia),
               " kg m²; let no faces cross each other, and all normals be outwards"});
       }
     }

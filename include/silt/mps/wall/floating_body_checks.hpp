@@ -19,39 +19,6 @@
 
 namespace silt::mps::detail {
 
-// Row by row.
-template <class Inertia>
-std::string text_of(const Inertia& inertia) {
-  if constexpr (std::is_same_v<Inertia, double>) {
-    return to_text(inertia);
-  } else {
-    using Vec = silt::Vec<3>;
-    return to_text(Vec(inertia.row(0))) + " " + to_text(Vec(inertia.row(1))) + " " +
-           to_text(Vec(inertia.row(2)));
-  }
-}
-
-// Whether it is one [kg m²] of a body of some size.
-template <class Inertia>
-bool is_inertia(const Inertia& inertia) {
-  if constexpr (std::is_same_v<Inertia, double>) {
-    return inertia > 0 && is_finite(inertia);
-  } else {
-    return inertia.allFinite() && inertia.isApprox(inertia.transpose()) && inertia(0, 0) > 0 &&
-           inertia.template topLeftCorner<2, 2>().determinant() > 0 && inertia.determinant() > 0;
-  }
-}
-
-template <int Dim>
-void require_valid(const std::string& name, const MassProperties<Dim>& mass) {
-  require_positive((name + ": mass_properties: mass").c_str(), mass.mass);
-  require_finite((name + ": mass_properties: centre").c_str(), mass.centre);
-  if (is_inertia(mass.inertia)) return;
-  fail({name, ": mass_properties: inertia = ", text_of(mass.inertia), " kg m² must be finite and ",
-        Dim == 2 ? "above 0" : "symmetric, with a positive one about each axis",
-        "; give it about the centre of mass"});
-}
-
 /// How far the faces of a disc or a sphere are from its radius, at most [m]. Throws if they are
 /// those of another shape; its volume and the centre of that are in [m³] and [m], where the faces
 /// are defined.

@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: MIT
+// Clumps: rigid bodies of spheres, in 2D of discs. A sphere of a clump is a grain: contacts, walls
+// and searches know nothing else, except that spheres of one clump have no contact with each other,
+// and that the mass of the clump resists a contact. ClumpLeapfrog moves the clumps.
+#pragma once
+
+#include <silt/core/box.hpp>
+#include <silt/core/error.hpp>
+#include <silt/core/parallel.hpp>
+#include <silt/core/particles.hpp>
+#include <silt/core/transfer.hpp>
+#include <silt/core/types.hpp>
+#include <silt/dem/clump/clump_shape.hpp>
+#include <silt/dem/setup/grains.hpp>
+#include <silt/geometry/free_rotation.hpp>
+#include <silt/geometry/mass_properties.hpp>
+#include <silt/geometry/orientation.hpp>
+#include <silt/geometry/rigid_body.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace silt::dem {
+
+/// Where a clump is put, and how it moves.
+template <int Dim>
+struct ClumpPlacement {
+  Vec<Dim> position = Vec<Dim>::Zero();               ///< of its centre of mass [m]
+  Orientation<Dim> orientation = {};                  ///< against how its shape was given
+  Vec<Dim> velocity = Vec<Dim>::Zero();               ///< of its centre of mass [m/s]
+  AngularVec<Dim> spin = zero_of<AngularVec<Dim>>();  ///< [1/s]
+};
+
+namespace detail {
+
+/// A sphere of a clump.
+template <int Dim>
+struct SphereOfClump {
+  Id id = 0;                           ///< of the grain
+  Vec<Dim> offset = Vec<Dim>::Zero();  ///< from the centre of mass, where the shape was given [m]
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("id", id);
+    archive("offset", offset);
+  }
+};
+
+/// What does not change of a clump.
+template <int Dim>
+struct ClumpConstants {
+  Id name = 0;              ///< as in the field `clump`
+  std::uint64_t first = 0;  ///< of its spheres
+  std::uint64_t spheres = 0;
+  double mass = 0;                                             ///< [kg]
+  silt::Inertia<Dim> inertia = zero_of<silt::Inertia<Dim>>();  ///< [kg m²]
+  silt::Inertia<Dim> inverse = zero_of<silt::Inertia<Dim>>();  ///< of it
+  /// What the moment of inertia of its spheres lacks [kg m²].
+  silt::Inertia<Dim> beyond_spheres = zero_of<silt::Inertia<Dim>>();
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("name", name);
+    archive("first", first);
+    archive("spheres", spheres);
+    archive("mass", mass);
+    archive("inertia", inertia);
+    archive("inverse", inverse);
+    archive("beyond_spheres", beyond_spheres);
+  }
+};
+
+/// The motion of a clump, with velocity and angular momentum as the integrator stores them.
+template <int Dim>
+struct ClumpMotion {
+  Vec<Dim> position = Vec<Dim>::Zero();                   ///< of the centre of mass [m]
+  Orientation<Dim> orientation;                           ///< against how the shape was given
+  Vec<Dim> velocity = Vec<Dim>::Zero();                   ///< [m/s]
+  AngularVec<Dim> momentum = zero_of<AngularVec<Dim>>();  ///< angular, about the centre [kg m²/s]
+
+  template <class Archive>
+  void transfer(Archive& archive) {
+    archive("position", position);
+    if constexpr (Dim == 2) {
+      archive("angle", orientation.angle);
+    } else {
+      archive("quaternion", orientation.quaternion);
+    }
+    archive("velocity", velocity);
+    archive("angular_momentum", momentum);
+  }
+};
+
+}  // namespace detail
+
+/// A number of clumps, and which grains are their spheres.
+template <int Dim>
+class Clumps {
+  using Sphere = detail::SphereOfClump<Dim>;
+  using Constants = detail::ClumpConstants<Dim>;
+  using Motion = detail::ClumpMotion<Dim>;
+
+ public:
+  /// Adds a clump, and its spheres to the grains; returns its name, which the field `clump` of the
+  /// spheres has. Throws, and adds nothing, if a number is not finite, or if add_grain would refuse
+  /// a sphere of this size and mass.
+  template <class P>
+    requires HasFields<P, clump_t, clump_mass_t> && (P::dimension == Dim)
+  Id add(P& grains, const ClumpShape<Dim>& shape, const ClumpPlacement<Dim>& at) {
+    check(at);
+    const auto& given = shape.mass_properties();
+    Constants clump_constants{.first = constants_->spheres.size(),
+                              .spheres = shape.spheres().size(),
+                              .mass = given.mass,
+                              .inertia = given.inertia,
+                              .inverse = inverse_of(given.inertia),
+                              .beyond_spheres = shape.beyond_spheres()};
+    auto all = std::make_shared<AllConstants>(*constants_);
+    std::vector<Id> added;
+    try {
+      for (std::size_t s = 0; s < shape.spheres().size(); ++s) {
+        Sphere sphere{.offset = shape.spheres()[s].centre - given.centre};
+        sphere.id = add_sphere(grains, shape, s, at, sphere.offset);
+        added.push_back(sphere.id);
+        all->spheres.push_back(sphere);
+      }
+      clump_constants.name = added.front() + 1;
+      all->clumps.push_back(clump_constants);
+      motions_.push_back(motion_of(clump_constants, at));
+    } catch (...) {
+      for (const Id id : added) grains.remove(id);
+      throw;
+    }
+    for (const Id id : added) grains[clump][grains.index_of(id)] = clump_constants.name;
+    constants_ = std::move(all);
+    rows_revision_ = 0;
+    return clump_constants.name;
+  }
+
+  /// Removes every clump k for which removed(k) is true, with its spheres; the others keep their
+  /// order. Returns their number.
+  template <class P, std::predicate<Index> Removed>
+  Index remove_if(P& grains, Removed&& removed) {
+    std::vector<char> is_gone;
+    for (Index k = 0; k < size(); ++k) is_gone.push_back(removed(k) ? 1 : 0);
+    const Index number = Index(std::count(is_gone.begin(), is_gone.end(), 1));
+    if (number == 0) return 0;
+    std::vector<Id> names;
+    for (Index k = 0; k < size(); ++k) {
+      if (is_gone[k]) names.push_back(name(k));
+    }
+    std::sort(names.begin(), names.end());
+    const auto names_of = std::as_const(grains)[clump];
+    grains.remove_if(
+        [&](Index i) { return std::binary_search(names.begin(), names.end(), names_of[i]); });
+    keep_if([&](Index k) { return !is_gone[k]; });
+    return number;
+  }
+
+  Index size() const noexcept { return motions_.size(); }
+  /// As the field `clump` of its spheres.
+  Id name(Index k) const { return constants_->clumps[k].name; }
+  double mass_of(Index k) const { return constants_->clumps[k].mass; }  ///< [kg]
+  /// About its centre of mass, where its shape was given [kg m²].
+  const silt::Inertia<Dim>& inertia_of(Index k) const { return constants_->clumps[k].inertia; }
+  /// Position and motion; with velocity and spin as the integrator stores them, at half steps.
+  BodyState<Dim> state(Index k) const {
+    const Motion& motion = motions_[k];
+    return {.pose = {.rotation = motion.orientation.matrix(), .shift = motion.position},
+            .position = motion.position,
+            .orientation = motion.orientation,
+            .velocity = motion.velocity,
+            .spin = spin_of(k)};
+  }
+  /// Angular momentum about its centre of mass [kg m²/s].
+  const AngularVec<Dim>& angular_momentum(Index k) const { return motions_[k].momentum; }
+  /// Indices of its spheres in the grains. Throws if one was removed.
+  template <class P>
+  std::span<const Index> spheres(const P& grains, Index k) {
+    update_indices(grains);
+    const Constants& body = constants_->clumps[k];
+    return std::span(indices_).subspan(body.first, body.spheres);
+  }
+
+  /// What kinetic_energy() and rotational_energy() of the grains lack of the energy of the clumps,
+  /// with the spins of these grains [J]; 0 in 2D.
+  template <class P>
+  double energy_beyond_spheres(const P& grains) const {
+    if constexpr (Dim == 2) {
+      return 0;
+    } else {
+      return ordered_sum(size(), 0.0, [&](Index k) {
+        const Vec<3> w = spin_in(grains, k);
+        return w.dot(momentum_beyond_spheres(k, w)) / 2;
+      });
+    }
+  }
+  /// What angular_momentum() of the grains lacks of that of the clumps, likewise [kg m²/s].
+  template <class P>
+  AngularVec<Dim> momentum_beyond_spheres(const P& grains) const {
+    if constexpr (Dim == 2) {
+      return 0;
+    } else {
+      return ordered_sum(size(), Vec<3>(Vec<3>::Zero()),
+                         [&](Index k) { return momentum_beyond_spheres(k, spin_in(grains, k)); });
+    }
+  }
+
+  /// Moves the clumps, see ClumpLeapfrog. change(v, a) is a component of the velocity, or of the
+  /// angular momentum, after a kick by the force per mass, or by the torque. put(i, x, v, w) is
+  /// called for every sphere with what it is after dt [s] of free motion; the clumps are there if
+  /// they `drift`.
+  template <class P, class Change, class Put>
+  void advance(const P& grains, double dt, bool drift, const Change& change, const Put& put) {
+    update_indices(grains);
+    const auto f = grains[force];
+    const auto t = grains[torque];
+    const Box<Dim> box = box_in_double(grains.box());
+    for_each(size(), [&](Index k) {
+      const Constants& body = constants_->clumps[k];
+      const auto spheres = spheres_of(body);
+      Motion motion = motions_[k];
+      const Eigen::Matrix<double, Dim, Dim> Q = motion.orientation.matrix();
+      Vec<Dim> sum = Vec<Dim>::Zero();
+      auto sum_of_torques = zero_of<AngularVec<Dim>>();
+      for (std::size_t s = 0; s < spheres.size(); ++s) {
+        const Index i = indices_[body.first + s];
+        const Vec<Dim> of_sphere = in_double(f[i]);
+        sum += of_sphere;
+        sum_of_torques += cross(multiply(Q, spheres[s].offset), of_sphere) + in_double(t[i]);
+      }
+      for (int d = 0; d < Dim; ++d) {
+        motion.velocity[d] = change(motion.velocity[d], sum[d] / body.mass);
+      }
+      for (int d = 0; d < angular_size<Dim>; ++d) {
+        double& momentum = component(motion.momentum, d);
+        momentum = change(momentum, component(sum_of_torques, d));
+      }
+      const FreeRotation<Dim> rotation =
+          rotate_freely(motion.orientation, motion.momentum, body.inverse, dt);
+      const double turn = std::sqrt(squared_norm(rotation.spin)) * std::abs(dt);
+      if (turn > 1) {
+        fail({"dem::Clumps: the clump ", body.name, " turns by ", turn, " rad in a step of ", dt,
+              " s, more than 1 rad; lower the time step"});
+      }
+      const Eigen::Matrix<double, Dim, Dim> end = rotation.end.matrix();
+      if (drift) {
+        motion.position = box.wrap(motion.position + dt * motion.velocity);
+        motion.orientation = rotation.end;
+      }
+      for (std::size_t s = 0; s < spheres.size(); ++s) {
+        const Vec<Dim> before = multiply(Q, spheres[s].offset);
+        const Vec<Dim> after = multiply(end, spheres[s].offset);
+        // Of the chord, along which a sphere moves.
+        const Vec<Dim> v = motion.velocity + cross(rotation.spin, Vec<Dim>((before + after) / 2));
+        put(indices_[body.first + s], Vec<Dim>(motion.position + after), v, rotation.spin);
+      }
+      motions_[k] = motion;
+    });
+  }
+
+  /// For a checkpoint, see core/transfer.hpp.
+  template <class Archive>
+  void transfer(Archive& archive) {
+    auto all = std::make_shared<AllConstants>(*constants_);
+    archive.finite([&] {
+      archive("clumps", all->clumps);
+      archive("spheres", all->spheres);
+      archive("motions", motions_);
+    });
+    if constexpr (Archive::reads) {
+      check(*all);
+      constants_ = std::move(all);
+      rows_revision_ = 0;
+    }
+  }
+
+ private:
+  struct AllConstants {
+    std::vector<Constants> clumps;
+    std::vector<Sphere> spheres;
+  };
+
+  template <class P>
+  AngularVec<Dim> spin_in(const P& grains, Index k) const {
+    const Constants& body = constants_->clumps[k];
+    return in_double(grains[spin][index_of(grains, constants_->spheres[body.first], body)]);
+  }
+  Vec<3> momentum_beyond_spheres(Index k, const Vec<3>& w) const {
+    const Eigen::Matrix<double, 3, 3> Q = motions_[k].orientation.matrix();
+    const Vec<3> in_body = multiply(Eigen::Matrix<double, 3, 3>(Q.transpose()), w);
+    return multiply(Q, multiply(constants_->clumps[k].beyond_spheres, in_body));
+  }
+
+  static void check(const ClumpPlacement<Dim>& at) {
+    require_finite("dem::ClumpPlacement: position", at.position);
+    require_finite("dem::ClumpPlacement: velocity", at.velocity);
+    require_finite("dem::ClumpPlacement: spin", at.spin);
+    if constexpr (Dim == 2) {
+      require_finite("dem::ClumpPlacement: orientation", at.orientation.angle);
+    } else {
+      const double squared = at.orientation.quaternion.squaredNorm();
+      if (!(std::abs(squared - 1) < 1e-6)) {
+        fail({"dem::ClumpPlacement: orientation: the square of the quaternion is ", squared,
+              ", not 1; normalise it"});
+      }
+    }
+  }
+  // What was read must fit.
+  void check(const AllConstants& all) const {
+    std::uint64_t next = 0;
+    bool fits = motions_.size() == all.clumps.size();
+    for (const Constants& body : all.clumps) {
+      fits = fits && body.first == next && body.spheres > 0 &&
+             body.spheres <= all.spheres.size() - next && body.mass > 0 && is_inertia(body.inertia);
+      if (!fits) break;
+      next += body.spheres;
+    }
+    if (fits && next == all.spheres.size()) return;
+    fail("dem::Clumps: the clumps that were read do not fit each other; use an earlier checkpoint");
+  }
+
+  std::span<const Sphere> spheres_of(const Constants& body) const {
+    return std::span(constants_->spheres).subspan(body.first, body.spheres);
+  }
+  static Motion motion_of(const Constants& body, const ClumpPlacement<Dim>& at) {
+    Motion motion{.position = at.position, .orientation = at.orientation, .velocity = at.velocity};
+    if constexpr (Dim == 2) {
+      motion.momentum = body.inertia * at.spin;
+    } else {
+      motion.orientation.quaternion.normalize();
+      const Eigen::Matrix<double, 3, 3> Q = motion.orientation.matrix();
+      const Vec<3> spin_in_body = multiply(Eigen::Matrix<double, 3, 3>(Q.transpose()), at.spin);
+      motion.momentum = multiply(Q, multiply(body.inertia, spin_in_body));
+    }
+    return motion;
+  }
+  AngularVec<Dim> spin_of(Index k) const {
+    return rotate_freely(motions_[k].orientation, motions_[k].momentum,
+                         constants_->clumps[k].inverse, 0)
+        .spin;
+  }
+
+  template <class P>
+  static Id add_sphere(P& grains, const ClumpShape<Dim>& shape, std::size_t s,
+                       const ClumpPlacement<Dim>& at, const Vec<Dim>& offset) {
+    using Real = typename P::Real;
+    const double r = shape.spheres()[s].radius;
+    const detail::ShareOfClump& share = shape.shares()[s];
+    const double m = shape.mass_properties().mass;
+    for (const auto value : {share.mass, share.inertia, m}) {
+      if (is_positive_normal(Real(value))) continue;
+      fail({"dem::Clumps: the mass or moment of inertia of a sphere of a clump of ", m, " kg is ",
+            value, " in the precision of the grains; use other units, or double"});
+    }
+    if (!is_radius(Real(r)) || !has_products(Real(r), Real(share.mass)) ||
+        !has_products(Real(r), Real(m))) {
+      fail({"dem::Clumps: radius = ", r, " m and mass = ", share.mass,
+            " kg of a sphere of a clump of ", m,
+            " kg have products that underflow or overflow; use other units, or double"});
+    }
+    const Vec<Dim> arm = multiply(at.orientation.matrix(), offset);
+    const typename P::Vec x = (at.position + arm).template cast<Real>();
+    const Vec<Dim> v = at.velocity + cross(at.spin, arm);
+    const Index i =
+        grains.add(grains.box().wrap(x), Initial{radius, Real(r)}, Initial{mass, Real(share.mass)},
+                   Initial{inertia, Real(share.inertia)}, Initial{clump_mass, Real(m)},
+                   Initial{material, static_cast<std::uint32_t>(shape.material_index())},
+                   Initial{velocity, typename P::Vec(v.template cast<Real>())});
+    if constexpr (Dim == 2) {
+      grains[spin][i] = Real(at.spin);
+    } else {
+      grains[spin][i] = at.spin.template cast<Real>();
+    }
+    return grains.id(i);
+  }
+
+  template <class Real>
+  static Box<Dim> box_in_double(const Box<Dim, Real>& box) {
+    return {.lower = in_double(box.lower),
+            .upper = in_double(box.upper),
+            .periodic = box.periodic,
+            .on_escape = box.on_escape};
+  }
+
+  template <class Kept>
+  void keep_if(Kept&& kept) {
+    auto all = std::make_shared<AllConstants>();
+    std::vector<Motion> motions;
+    for (Index k = 0; k < size(); ++k) {
+      if (!kept(k)) continue;
+      Constants body = constants_->clumps[k];
+      const auto spheres = spheres_of(body);
+      body.first = all->spheres.size();
+      all->spheres.insert(all->spheres.end(), spheres.begin(), spheres.end());
+      all->clumps.push_back(body);
+      motions.push_back(motions_[k]);
+    }
+    constants_ = std::move(all);
+    motions_ = std::move(motions);
+    rows_revision_ = 0;
+  }
+
+  template <class P>
+  static Index index_of(const P& grains, const Sphere& sphere, const Constants& body) {
+    const Index i = grains.index_of(sphere.id);
+    if (i == no_index) {
+      fail({"dem::Clumps: the sphere ", sphere.id, " of the clump ", body.name,
+            " was removed; remove whole clumps, with dem::Clumps::remove_if() or dem::Outflow"});
+    }
+    return i;
+  }
+  // Clumps without any of their spheres are gone.
+  template <class P>
+  void update_indices(const P& grains) {
+    if (rows_revision_ == grains.rows_revision() && indices_.size() == constants_->spheres.size()) {
+      return;
+    }
+    const auto is_left = [&](Index k) {
+      const auto spheres = spheres_of(constants_->clumps[k]);
+      return std::any_of(spheres.begin(), spheres.end(), [&](const Sphere& sphere) {
+        return grains.index_of(sphere.id) != no_index;
+      });
+    };
+    bool are_all_left = true;
+    for (Index k = 0; k < size(); ++k) are_all_left = are_all_left && is_left(k);
+    if (!are_all_left) keep_if(is_left);
+    indices_.clear();
+    for (const Constants& body : constants_->clumps) {
+      for (const Sphere& sphere : spheres_of(body)) {
+        indices_.push_back(index_of(grains, sphere, body));
+      }
+    }
+    rows_revision_ = grains.rows_revision();
+  }
+
+  std::shared_ptr<const AllConstants> constants_ = std::make_shared<AllConstants>();
+  std::vector<Motion> motions_;
+  std::vector<Index> indices_;  // of the spheres, in grains with this rows_revision()
+  std::uint64_t rows_revision_ = 0;
+};
+
+}  // namespace silt::dem
