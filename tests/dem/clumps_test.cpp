@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Clumps in simulations: conservation, a sphere as a clump, contacts within and between clumps,
-// restarts, threads, rolling back and removal. No other test has rigid bodies of grains.
+// restarts, threads, rolling back, inflow and outflow, and the ledger. No other test has rigid
+// bodies of grains.
+#include <silt/dem/clump/clump_blend.hpp>
 #include <silt/dem/clump/clump_leapfrog.hpp>
 #include <silt/io/checkpoint.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"
 #include "support/grains.hpp"
+#include "support/ledger.hpp"
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -228,6 +231,19 @@ TYPED_TEST(Clumps, GiveTheSameBitsOnAnyThreadsAndAfterARestart) {
   }
 }
 
+TYPED_TEST(Clumps, BalanceTheirEnergyInEveryStep) {
+  constexpr int Dim = TypeParam::value;
+  auto crowd = crowd_of_clumps<Dim>();
+  auto sim = simulation(std::move(crowd));
+  sim.integrator().set_damping(GlobalDamping{.alpha = 0.3});
+  dem::EnergyLedger ledger(sim);
+  const double dt = Dim == 2 ? 1e-4 : 2e-5;
+  expect_closing(sim, ledger, Dim == 2 ? 500 : 2500, dt);
+  EXPECT_LT(ledger.work().normal_dashpot, 0);
+  EXPECT_LT(ledger.work().damping, 0);
+  EXPECT_LT(std::abs(ledger.integration_error()), 0.01 * ledger.initial_energies().kinetic);
+}
+
 TYPED_TEST(Clumps, AreAsBeforeAfterAStepThatFails) {
   constexpr int Dim = TypeParam::value;
   auto sim = simulation(crowd_of_clumps<Dim>());
@@ -260,6 +276,40 @@ TYPED_TEST(Clumps, AreRemovedWithTheirSpheres) {
   EXPECT_EQ(clumps.size(), 5u);
   sim.particles().remove(first - 1);
   EXPECT_TRUE(refuses([&] { sim.step(1e-5); }, {"dem::Clumps: the sphere 0 of the clump 1"}));
+}
+
+// By scatter() and Inflow, from above into Outflow below.
+TYPED_TEST(Clumps, FlowInAndOut) {
+  constexpr int Dim = TypeParam::value;
+  const dem::ClumpBlend<Dim> blend({bent<Dim>(), bent<Dim>().scaled(0.7)});
+  Crowd<Dim> crowd;
+  const Box<Dim> low{.lower = at<Dim>(-0.1, 0.05, -0.1), .upper = at<Dim>(0.1, 0.2, 0.1)};
+  dem::scatter(crowd.grains, crowd.clumps, blend, low, {.number = 12});
+  ASSERT_EQ(crowd.clumps.size(), 12u);
+  double smallest = 1;
+  const auto x = std::as_const(crowd.grains)[position];
+  for (Index i = 0; i < crowd.grains.size(); ++i) {
+    EXPECT_GT(low.clearance(x[i]), 0);
+    for (Index j = 0; j < i; ++j) {
+      if (crowd.grains[dem::clump][i] == crowd.grains[dem::clump][j]) continue;
+      smallest = std::min(smallest,
+                          (x[i] - x[j]).norm() - crowd.grains[radius][i] - crowd.grains[radius][j]);
+    }
+  }
+  EXPECT_GT(smallest, 0);
+  auto sim = simulation(std::move(crowd));
+  const Box<Dim> high{.lower = at<Dim>(-0.1, 0.3, -0.1), .upper = at<Dim>(0.1, 0.4, 0.1)};
+  Box<Dim> beyond;
+  beyond.upper = at<Dim>(INFINITY, 0.02, INFINITY);
+  dem::Inflow rain(high, blend, {.number = 6, .velocity = at<Dim>(0, -2)});
+  dem::Outflow drain(beyond);
+  sim.interaction().template part<0>().set_wall_present(0, false);
+  sim.run({.until = 0.05}, rain, drain);
+  EXPECT_EQ(rain.number(), 6u);
+  sim.run({.until = 0.4}, rain, drain);
+  EXPECT_EQ(drain.number(), 18u);
+  EXPECT_EQ(sim.particles().size(), 0u);
+  EXPECT_EQ(sim.integrator().clumps().size(), 0u);
 }
 
 // Ten wrong inputs.

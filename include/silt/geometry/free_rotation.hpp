@@ -18,7 +18,6 @@
 
 #include <cmath>
 #include <limits>
-#include <utility>
 
 namespace silt {
 
@@ -43,55 +42,72 @@ inline Eigen::Matrix<double, 3, 3> inverse_of(const Eigen::Matrix<double, 3, 3>&
 }
 
 /// The rotation of a disc or a body in the plane with this angular momentum [kg m²/s] in dt [s].
-inline FreeRotation<2> rotate_freely(const Orientation<2>& from, double momentum,
-                                     double inverse_inertia, double dt) {
+inline FreeRotation<2> rotate_freely(const Orientation<2>& from, const Eigen::Matrix<double, 2, 2>&,
+                                     double momentum, double inverse_inertia, double dt) {
   const double rate = momentum * inverse_inertia;
   return {from.turned(rate * dt), rate};
 }
 
-/// The rotation of a body in space with this angular momentum [kg m²/s] in dt [s]; the inverse
-/// moment of inertia is in the frame in which the body is defined. Throws if it turns too far in a
-/// step for the equation to be solved, by about a radian.
-inline FreeRotation<3> rotate_freely(const Orientation<3>& from, const Vec<3>& momentum,
-                                     const Eigen::Matrix<double, 3, 3>& inverse_inertia,
-                                     double dt) {
-  const Eigen::Matrix<double, 3, 3> Q = from.matrix();
-  const Vec<3> m = multiply(Eigen::Matrix<double, 3, 3>(Q.transpose()), momentum);
+namespace detail {
+/// Of Newton's iteration, by Cramer's rule.
+[[gnu::cold]] inline Vec<3> newton_step(const Vec<3>& f, const Vec<3>& mean, const Vec<3>& rate,
+                                        const Eigen::Matrix<double, 3, 3>& inverse_inertia,
+                                        double dt) {
+  Eigen::Matrix<double, 3, 3> slope;
+  for (int k = 0; k < 3; ++k) {
+    const Vec<3> e = Vec<3>::Unit(k);
+    slope.col(k) = e - dt / 2 * (cross(e, rate) + cross(mean, Vec<3>(inverse_inertia.col(k))));
+  }
+  const Vec<3> a = slope.col(0), b = slope.col(1), c = slope.col(2);
+  const Vec<3> bc = cross(b, c);
+  return 1 / a.dot(bc) * Vec<3>(f.dot(bc), f.dot(cross(c, a)), f.dot(cross(a, b)));
+}
+/// m̄ of a body with the angular momentum m, both in its frame.
+[[gnu::always_inline]] inline Vec<3> mean_momentum(
+    const Vec<3>& m, const Eigen::Matrix<double, 3, 3>& inverse_inertia, double dt) {
   const double enough = 4 * std::numeric_limits<double>::epsilon() * max_norm(m);
-  // Newton's iteration for f(m̄) = m̄ − m − Δt/2 m̄ × Θ⁻¹ m̄ = 0.
   Vec<3> mean = m;
-  Vec<3> rate = multiply(inverse_inertia, mean);
-  constexpr int most = 20;
-  int iterations = 0;
-  while (true) {
+  constexpr int simple = 8, most = 30;
+  for (int iterations = 0;; ++iterations) {
+    const Vec<3> rate = multiply(inverse_inertia, mean);
     const Vec<3> f = mean - m - dt / 2 * cross(mean, rate);
-    if (!(max_norm(f) > enough)) break;  // nor if it is not a number, which the step finds
-    if (++iterations > most) {
+    if (!(max_norm(f) > enough)) return mean;  // nor if it is not a number, which the step finds
+    if (iterations == most) {
       fail({"a body turns by ", rate.norm() * dt, " rad in a step of ", dt,
             " s; lower the time step"});
     }
-    Eigen::Matrix<double, 3, 3> slope;
-    for (int k = 0; k < 3; ++k) {
-      const Vec<3> e = Vec<3>::Unit(k);
-      slope.col(k) = e - dt / 2 * (cross(e, rate) + cross(mean, Vec<3>(inverse_inertia.col(k))));
-    }
-    // By Cramer's rule.
-    const Vec<3> a = slope.col(0), b = slope.col(1), c = slope.col(2);
-    const Vec<3> bc = cross(b, c);
-    const double scale = 1 / a.dot(bc);
-    mean -= scale * Vec<3>(f.dot(bc), f.dot(cross(c, a)), f.dot(cross(a, b)));
-    rate = multiply(inverse_inertia, mean);
+    // Nearly all steps are short.
+    mean -= iterations < simple ? f : newton_step(f, mean, rate, inverse_inertia, dt);
   }
-  const Vec<3> in_space = multiply(Q, rate);
+}
+}  // namespace detail
+
+/// The rotation of a body in space with this angular momentum [kg m²/s] in dt [s]. Q is the matrix
+/// of its orientation; the inverse moment of inertia is in the frame in which the body is defined.
+/// Throws if it turns so far in a step that the equation cannot be solved.
+[[gnu::always_inline]] inline FreeRotation<3> rotate_freely(
+    const Orientation<3>& from, const Eigen::Matrix<double, 3, 3>& Q, const Vec<3>& momentum,
+    const Eigen::Matrix<double, 3, 3>& inverse_inertia, double dt) {
+  const Vec<3> in_body = multiply(Eigen::Matrix<double, 3, 3>(Q.transpose()), momentum);
+  const Vec<3> mean = detail::mean_momentum(in_body, inverse_inertia, dt);
+  FreeRotation<3> rotation{.end = {}, .spin = multiply(Q, multiply(inverse_inertia, mean))};
   // cay(Δt ω) is the unit quaternion along (1, Δt ω/2).
-  const Vec<3> v = dt / 2 * in_space;
+  const Vec<3> v = dt / 2 * rotation.spin;
   const double w0 = from.quaternion[0];
   const Vec<3> v0 = from.quaternion.tail<3>();
-  FreeRotation<3> rotation{.end = {}, .spin = in_space};
-  rotation.end.quaternion[0] = w0 - v.dot(v0);
-  rotation.end.quaternion.tail<3>() = v0 + w0 * v + cross(v, v0);
-  rotation.end.quaternion /= std::sqrt(rotation.end.quaternion.squaredNorm());
+  const double w1 = w0 - v.dot(v0);
+  const Vec<3> v1 = v0 + w0 * v + cross(v, v0);
+  const double scale = 1 / std::sqrt(w1 * w1 + v1.squaredNorm());
+  rotation.end.quaternion[0] = scale * w1;
+  for (int k = 0; k < 3; ++k) rotation.end.quaternion[k + 1] = scale * v1[k];
   return rotation;
+}
+
+/// The same from the orientation alone.
+template <int Dim, class Momentum>
+FreeRotation<Dim> rotate_freely(const Orientation<Dim>& from, const Momentum& momentum,
+                                const Inertia<Dim>& inverse_inertia, double dt) {
+  return rotate_freely(from, from.matrix(), momentum, inverse_inertia, dt);
 }
 
 }  // namespace silt

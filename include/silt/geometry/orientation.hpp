@@ -33,14 +33,19 @@ template <>
 struct Orientation<3> {
   Vec<4> quaternion = {1, 0, 0, 0};  ///< w, x, y, z [-]
 
-  Eigen::Matrix<double, 3, 3> matrix() const {
-    const double w = quaternion[0];
-    const Vec<3> v = quaternion.tail<3>();
+  [[gnu::always_inline]] Eigen::Matrix<double, 3, 3> matrix() const {
+    const double w = quaternion[0], x = quaternion[1], y = quaternion[2], z = quaternion[3];
+    // By elements: g++ does not inline Eigen's operator<<.
     Eigen::Matrix<double, 3, 3> rotation;
-    for (int k = 0; k < 3; ++k) {
-      const Vec<3> across = cross(v, Vec<3>(Vec<3>::Unit(k)));
-      rotation.col(k) = Vec<3>::Unit(k) + 2 * (w * across + cross(v, across));
-    }
+    rotation(0, 0) = 1 - 2 * (y * y + z * z);
+    rotation(0, 1) = 2 * (x * y - w * z);
+    rotation(0, 2) = 2 * (w * y + x * z);
+    rotation(1, 0) = 2 * (w * z + x * y);
+    rotation(1, 1) = 1 - 2 * (x * x + z * z);
+    rotation(1, 2) = 2 * (y * z - w * x);
+    rotation(2, 0) = 2 * (x * z - w * y);
+    rotation(2, 1) = 2 * (w * x + y * z);
+    rotation(2, 2) = 1 - 2 * (x * x + y * y);
     return rotation;
   }
   /// After a further turn, a rotation vector [rad].

@@ -112,13 +112,13 @@ class ClumpLeapfrog {
   template <class P, class Change>
   bool move(P& grains, double dt, Drift drift, const Change& change) {
     detail::MotionOfGrains<P> motion(grains, drift == Drift::yes ? dt : 0);
-    clumps_.advance(grains, dt, drift == Drift::yes, change,
-                    [&](Index i, const Vec<Dim>& x, const Vec<Dim>& v, const AngularVec<Dim>& w) {
-                      motion.put(i, x, v, w);
-                    });
+    clumps_.advance(grains, dt, drift == Drift::yes, change, [&] { return motion.range(); });
     const auto names = std::as_const(grains)[clump];
-    for_each(grains.size(), [&](Index i) {
-      if (names[i] == 0) motion.change(i, change);
+    for_each_range(grains.size(), [&](Index first, Index last) {
+      auto range = motion.range();
+      for (Index i = first; i < last; ++i) {
+        if (names[i] == 0) range.change(i, change);
+      }
     });
     grains.finish_advance(motion.max_displacement());
     return motion.is_valid();

@@ -43,6 +43,8 @@ class ClumpShape {
   std::span<const Ball<Dim>> spheres() const noexcept { return spheres_; }
   /// In these coordinates.
   const MassProperties<Dim>& mass_properties() const noexcept { return mass_; }
+  /// Volume of the union of the spheres [m³]; in 2D its area [m²].
+  double volume() const { return volume_; }
   /// In dem::Materials.
   Index material_index() const noexcept { return material_; }
   /// Radius of the smallest sphere about the centre of mass that contains the body [m].
@@ -57,11 +59,12 @@ class ClumpShape {
   ClumpShape scaled(double factor) const {
     require_positive("dem::ClumpShape: factor", factor);
     ClumpShape shape = *this;
-    const double volume = std::pow(factor, Dim);
+    const double volume = std::pow(factor, Dim);  // of the new one over that of the old one
     for (Ball<Dim>& ball : shape.spheres_) {
       ball.centre *= factor;
       ball.radius *= factor;
     }
+    shape.volume_ *= volume;
     shape.mass_.mass *= volume;
     shape.mass_.centre *= factor;
     shape.mass_.inertia *= volume * factor * factor;
@@ -91,6 +94,7 @@ class ClumpShape {
              Index clump_material)
       : spheres_(spheres), mass_(given), material_(clump_material) {
     check();
+    volume_ = mass_properties_of<Dim>("dem::ClumpShape", spheres_, 1).mass;
     shares_ = detail::shares_of_clump<Dim>(spheres_, mass_);
   }
 
@@ -109,6 +113,7 @@ class ClumpShape {
 
   std::vector<Ball<Dim>> spheres_;
   MassProperties<Dim> mass_;
+  double volume_ = 0;
   std::vector<detail::ShareOfClump> shares_;
   Index material_ = 0;
 };

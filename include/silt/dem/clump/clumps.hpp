@@ -107,6 +107,7 @@ class Clumps {
   using Sphere = detail::SphereOfClump<Dim>;
   using Constants = detail::ClumpConstants<Dim>;
   using Motion = detail::ClumpMotion<Dim>;
+  using Matrix = Eigen::Matrix<double, Dim, Dim>;
 
  public:
   /// Adds a clump, and its spheres to the grains; returns its name, which the field `clump` of the
@@ -123,24 +124,25 @@ class Clumps {
                               .inertia = given.inertia,
                               .inverse = inverse_of(given.inertia),
                               .beyond_spheres = shape.beyond_spheres()};
-    auto all = std::make_shared<AllConstants>(*constants_);
+    own_constants();
     std::vector<Id> added;
     try {
       for (std::size_t s = 0; s < shape.spheres().size(); ++s) {
         Sphere sphere{.offset = shape.spheres()[s].centre - given.centre};
         sphere.id = add_sphere(grains, shape, s, at, sphere.offset);
         added.push_back(sphere.id);
-        all->spheres.push_back(sphere);
+        constants_->spheres.push_back(sphere);
       }
       clump_constants.name = added.front() + 1;
-      all->clumps.push_back(clump_constants);
       motions_.push_back(motion_of(clump_constants, at));
+      constants_->clumps.push_back(clump_constants);
     } catch (...) {
+      motions_.resize(constants_->clumps.size());
+      constants_->spheres.resize(clump_constants.first);
       for (const Id id : added) grains.remove(id);
       throw;
     }
     for (const Id id : added) grains[clump][grains.index_of(id)] = clump_constants.name;
-    constants_ = std::move(all);
     rows_revision_ = 0;
     return clump_constants.name;
   }
@@ -178,16 +180,23 @@ class Clumps {
             .position = motion.position,
             .orientation = motion.orientation,
             .velocity = motion.velocity,
-            .spin = spin_of(k)};
+            .spin = spin_with(k, motion.momentum)};
+  }
+  /// The spin [1/s] that it has in its orientation with this angular momentum [kg m²/s].
+  AngularVec<Dim> spin_with(Index k, const AngularVec<Dim>& momentum) const {
+    return rotate_freely(motions_[k].orientation, momentum, constants_->clumps[k].inverse, 0).spin;
   }
   /// Angular momentum about its centre of mass [kg m²/s].
   const AngularVec<Dim>& angular_momentum(Index k) const { return motions_[k].momentum; }
-  /// Indices of its spheres in the grains. Throws if one was removed.
-  template <class P>
-  std::span<const Index> spheres(const P& grains, Index k) {
-    update_indices(grains);
+  /// f(i, r) for each of its spheres: the index in the grains, and the vector from the centre of
+  /// mass [m]. Throws if one was removed.
+  template <class P, class F>
+  void for_each_sphere(const P& grains, Index k, F&& f) const {
     const Constants& body = constants_->clumps[k];
-    return std::span(indices_).subspan(body.first, body.spheres);
+    const Matrix Q = motions_[k].orientation.matrix();
+    for (const Sphere& sphere : spheres_of(body)) {
+      f(index_of(grains, sphere, body), multiply(Q, sphere.offset));
+    }
   }
 
   /// What kinetic_energy() and rotational_energy() of the grains lack of the energy of the clumps,
@@ -215,55 +224,55 @@ class Clumps {
   }
 
   /// Moves the clumps, see ClumpLeapfrog. change(v, a) is a component of the velocity, or of the
-  /// angular momentum, after a kick by the force per mass, or by the torque. put(i, x, v, w) is
-  /// called for every sphere with what it is after dt [s] of free motion; the clumps are there if
-  /// they `drift`.
-  template <class P, class Change, class Put>
-  void advance(const P& grains, double dt, bool drift, const Change& change, const Put& put) {
+  /// angular momentum, after a kick by the force per mass, or by the torque. put(i, x, v, w), from
+  /// make_put() for a range of clumps, is called for every sphere with what it is after dt [s] of
+  /// free motion; the clumps are there if they `drift`.
+  template <class P, class Change, class MakePut>
+  void advance(const P& grains, double dt, bool drift, const Change& change,
+               const MakePut& make_put) {
     update_indices(grains);
     const auto f = grains[force];
     const auto t = grains[torque];
     const Box<Dim> box = box_in_double(grains.box());
-    for_each(size(), [&](Index k) {
-      const Constants& body = constants_->clumps[k];
-      const auto spheres = spheres_of(body);
-      Motion motion = motions_[k];
-      const Eigen::Matrix<double, Dim, Dim> Q = motion.orientation.matrix();
-      Vec<Dim> sum = Vec<Dim>::Zero();
-      auto sum_of_torques = zero_of<AngularVec<Dim>>();
-      for (std::size_t s = 0; s < spheres.size(); ++s) {
-        const Index i = indices_[body.first + s];
-        const Vec<Dim> of_sphere = in_double(f[i]);
-        sum += of_sphere;
-        sum_of_torques += cross(multiply(Q, spheres[s].offset), of_sphere) + in_double(t[i]);
-      }
-      for (int d = 0; d < Dim; ++d) {
-        motion.velocity[d] = change(motion.velocity[d], sum[d] / body.mass);
-      }
-      for (int d = 0; d < angular_size<Dim>; ++d) {
-        double& momentum = component(motion.momentum, d);
-        momentum = change(momentum, component(sum_of_torques, d));
-      }
-      const FreeRotation<Dim> rotation =
-          rotate_freely(motion.orientation, motion.momentum, body.inverse, dt);
-      const double turn = std::sqrt(squared_norm(rotation.spin)) * std::abs(dt);
-      if (turn > 1) {
-        fail({"dem::Clumps: the clump ", body.name, " turns by ", turn, " rad in a step of ", dt,
-              " s, more than 1 rad; lower the time step"});
-      }
-      const Eigen::Matrix<double, Dim, Dim> end = rotation.end.matrix();
-      if (drift) {
-        motion.position = box.wrap(motion.position + dt * motion.velocity);
+    for_each_range(size(), [&](Index begin, Index end) {
+      auto put = make_put();
+      for (Index k = begin; k < end; ++k) {
+        const Constants& body = constants_->clumps[k];
+        const Sphere* const spheres = constants_->spheres.data() + body.first;
+        const Index* const indices = indices_.data() + body.first;
+        Motion& motion = motions_[k];
+        const Matrix Q = motion.orientation.matrix();
+        Vec<Dim> sum = Vec<Dim>::Zero();
+        auto sum_of_torques = zero_of<AngularVec<Dim>>();
+        for (Index s = 0; s < body.spheres; ++s) {
+          const Vec<Dim> of_sphere = in_double(f[indices[s]]);
+          sum += of_sphere;
+          sum_of_torques +=
+              cross(multiply(Q, spheres[s].offset), of_sphere) + in_double(t[indices[s]]);
+        }
+        for (int d = 0; d < Dim; ++d) {
+          motion.velocity[d] = change(motion.velocity[d], sum[d] / body.mass);
+        }
+        for (int d = 0; d < angular_size<Dim>; ++d) {
+          double& momentum = component(motion.momentum, d);
+          momentum = change(momentum, component(sum_of_torques, d));
+        }
+        const FreeRotation<Dim> rotation =
+            rotate_freely(motion.orientation, Q, motion.momentum, body.inverse, dt);
+        check_turn(body, rotation.spin, dt);
+        const Matrix after = rotation.end.matrix();
+        const Vec<Dim> moved = motion.position + dt * motion.velocity;
+        // Spheres move along chords.
+        const Matrix middle = (Q + after) / 2;
+        for (Index s = 0; s < body.spheres; ++s) {
+          const Vec<Dim> v =
+              motion.velocity + cross(rotation.spin, multiply(middle, spheres[s].offset));
+          put(indices[s], Vec<Dim>(moved + multiply(after, spheres[s].offset)), v, rotation.spin);
+        }
+        if (!drift) continue;
+        motion.position = box.wrap(moved);
         motion.orientation = rotation.end;
       }
-      for (std::size_t s = 0; s < spheres.size(); ++s) {
-        const Vec<Dim> before = multiply(Q, spheres[s].offset);
-        const Vec<Dim> after = multiply(end, spheres[s].offset);
-        // Of the chord, along which a sphere moves.
-        const Vec<Dim> v = motion.velocity + cross(rotation.spin, Vec<Dim>((before + after) / 2));
-        put(indices_[body.first + s], Vec<Dim>(motion.position + after), v, rotation.spin);
-      }
-      motions_[k] = motion;
     });
   }
 
@@ -300,6 +309,13 @@ class Clumps {
     return multiply(Q, multiply(constants_->clumps[k].beyond_spheres, in_body));
   }
 
+  static void check_turn(const Constants& body, const AngularVec<Dim>& w, double dt) {
+    const double squared = squared_norm(w) * dt * dt;
+    if (!(squared > 1)) return;
+    fail({"dem::Clumps: the clump ", body.name, " turns by ", std::sqrt(squared),
+          " rad in a step of ", dt, " s, more than 1 rad; lower the time step"});
+  }
+
   static void check(const ClumpPlacement<Dim>& at) {
     require_finite("dem::ClumpPlacement: position", at.position);
     require_finite("dem::ClumpPlacement: velocity", at.velocity);
@@ -328,8 +344,11 @@ class Clumps {
     fail("dem::Clumps: the clumps that were read do not fit each other; use an earlier checkpoint");
   }
 
+  void own_constants() {
+    if (constants_.use_count() > 1) constants_ = std::make_shared<AllConstants>(*constants_);
+  }
   std::span<const Sphere> spheres_of(const Constants& body) const {
-    return std::span(constants_->spheres).subspan(body.first, body.spheres);
+    return std::span<const Sphere>(constants_->spheres).subspan(body.first, body.spheres);
   }
   static Motion motion_of(const Constants& body, const ClumpPlacement<Dim>& at) {
     Motion motion{.position = at.position, .orientation = at.orientation, .velocity = at.velocity};
@@ -343,12 +362,6 @@ class Clumps {
     }
     return motion;
   }
-  AngularVec<Dim> spin_of(Index k) const {
-    return rotate_freely(motions_[k].orientation, motions_[k].momentum,
-                         constants_->clumps[k].inverse, 0)
-        .spin;
-  }
-
   template <class P>
   static Id add_sphere(P& grains, const ClumpShape<Dim>& shape, std::size_t s,
                        const ClumpPlacement<Dim>& at, const Vec<Dim>& offset) {
@@ -442,7 +455,8 @@ class Clumps {
     rows_revision_ = grains.rows_revision();
   }
 
-  std::shared_ptr<const AllConstants> constants_ = std::make_shared<AllConstants>();
+  // A simulation has copies of its integrator, which share what does not change.
+  std::shared_ptr<AllConstants> constants_ = std::make_shared<AllConstants>();
   std::vector<Motion> motions_;
   std::vector<Index> indices_;  // of the spheres, in grains with this rows_revision()
   std::uint64_t rows_revision_ = 0;

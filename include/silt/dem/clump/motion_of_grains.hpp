@@ -10,6 +10,7 @@
 #include <silt/core/tuples.hpp>
 #include <silt/core/types.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -41,45 +42,57 @@ class MotionOfGrains {
         m_(std::as_const(grains)[mass]),
         I_(std::as_const(grains)[inertia]) {}
 
-  /// Grain i has this velocity and spin, and drifts to x.
-  void put(Index i, const Vec<Dim>& x, const Vec<Dim>& v, const Angular& w) {
-    const auto before = x_.before[i];
-    auto after = typename P::Vec(before);
-    if (dt_ != 0) after = box_.wrap(typename P::Vec(x.template cast<Real>()));
-    x_.after[i] = after;
-    v_.after[i] = v.template cast<Real>();
-    double sum = v.sum();
-    for (int k = 0; k < angular_size<Dim>; ++k) {
-      component(w_.after[i], k) = Real(component(w, k));
-      sum += component(w, k);
-    }
-    if constexpr (has_angle) {
-      angles_.after[i] = angles_.before[i] + Real(w * dt_);
-      sum += angles_.after[i];
-    }
-    const double squared = double(image_(typename P::Vec(after - before)).squaredNorm());
-    if (!is_finite(Real(sum)) || !is_finite(squared) || !box_.contains(after)) {
-      is_valid_.store(false, std::memory_order_relaxed);
-    }
-    double highest = farthest_.load(std::memory_order_relaxed);
-    while (squared > highest &&
-           !farthest_.compare_exchange_weak(highest, squared, std::memory_order_relaxed)) {
-    }
-  }
+  /// Writes some of the grains, in one thread.
+  class Range {
+   public:
+    explicit Range(MotionOfGrains& all) : all_(all) {}
+    Range(const Range&) = delete;
+    Range& operator=(const Range&) = delete;
+    ~Range() { all_.add(squared_displacement_, broken_); }
 
-  /// A grain that belongs to no clump: change(v, a) for each component of its velocity and spin.
-  template <class Change>
-  void change(Index i, const Change& change_of) {
-    Vec<Dim> v = in_double(v_.before[i]);
-    Angular w = in_double(w_.before[i]);
-    const double per_mass = 1 / double(m_[i]);
-    const double per_inertia = 1 / double(I_[i]);
-    for (int k = 0; k < Dim; ++k) v[k] = change_of(v[k], double(f_[i][k]) * per_mass);
-    for (int k = 0; k < angular_size<Dim>; ++k) {
-      component(w, k) = change_of(component(w, k), double(component(t_[i], k)) * per_inertia);
+    /// Grain i has this velocity and spin, and drifts to x.
+    void operator()(Index i, const Vec<Dim>& x, const Vec<Dim>& v, const Angular& w) {
+      const typename P::Vec before = all_.x_.before[i];
+      typename P::Vec after = before;
+      if (all_.dt_ != 0) after = all_.wrapped(x.template cast<Real>());
+      all_.x_.after[i] = after;
+      all_.v_.after[i] = v.template cast<Real>();
+      double sum = v.sum();
+      for (int k = 0; k < angular_size<Dim>; ++k) {
+        component(all_.w_.after[i], k) = Real(component(w, k));
+        sum += component(w, k);
+      }
+      if constexpr (has_angle) {
+        all_.angles_.after[i] = all_.angles_.before[i] + Real(w * all_.dt_);
+        sum += all_.angles_.after[i];
+      }
+      broken_ += sum - sum;
+      if (!all_.box_.contains(after)) broken_ = std::numeric_limits<double>::quiet_NaN();
+      const auto squared = double(all_.image_(typename P::Vec(after - before)).squaredNorm());
+      squared_displacement_ = std::max(squared, squared_displacement_);
     }
-    put(i, in_double(x_.before[i]) + v * dt_, v, w);
-  }
+
+    /// A grain that belongs to no clump: change(v, a) for each component of its velocity and spin.
+    template <class Change>
+    void change(Index i, const Change& change_of) {
+      Vec<Dim> v = in_double(all_.v_.before[i]);
+      Angular w = in_double(all_.w_.before[i]);
+      const double per_mass = 1 / double(all_.m_[i]);
+      const double per_inertia = 1 / double(all_.I_[i]);
+      for (int k = 0; k < Dim; ++k) v[k] = change_of(v[k], double(all_.f_[i][k]) * per_mass);
+      for (int k = 0; k < angular_size<Dim>; ++k) {
+        component(w, k) =
+            change_of(component(w, k), double(component(all_.t_[i], k)) * per_inertia);
+      }
+      (*this)(i, in_double(all_.x_.before[i]) + v * all_.dt_, v, w);
+    }
+
+   private:
+    MotionOfGrains& all_;
+    double squared_displacement_ = 0;
+    double broken_ = 0;  // not 0 if a result is not valid
+  };
+  Range range() { return Range(*this); }
 
   /// Whether all results are finite and all grains within the box.
   bool is_valid() const { return is_valid_.load(std::memory_order_relaxed); }
@@ -91,6 +104,18 @@ class MotionOfGrains {
   }
 
  private:
+  void add(double squared_displacement, double broken) {
+    if (broken != 0) is_valid_.store(false, std::memory_order_relaxed);
+    double highest = farthest_.load(std::memory_order_relaxed);
+    while (squared_displacement > highest &&
+           !farthest_.compare_exchange_weak(highest, squared_displacement,
+                                            std::memory_order_relaxed)) {
+    }
+  }
+  typename P::Vec wrapped(const typename P::Vec& x) const {
+    return image_.any() ? box_.wrap(x) : x;
+  }
+
   static constexpr bool has_angle = HasFields<P, angle_t>;
   template <class F>
   using Advance = decltype(std::declval<P&>().advance(F{}));

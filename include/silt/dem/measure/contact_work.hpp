@@ -106,8 +106,16 @@ class MeanMotion {
   using Turn = AngularVec<dimension, double>;
 
   /// Grains before a step and those remaining after it; duration is that of the kick [s]. Removed
-  /// grains keep the velocities they had before the step.
+  /// grains keep the velocities they had before the step. Of spheres of clumps, set_clumps() adds
+  /// the changes.
   void set(const P& before, const P& after, double duration) {
+    const auto is_single = [&](Index i) {
+      if constexpr (HasFields<P, clump_t>) {
+        return before[clump][i] == 0;
+      } else {
+        return true;
+      }
+    };
     duration_ = duration;
     kinetic_change_ = rotational_change_ = carried_away_ = 0;
     v_.resize(before.size());
@@ -124,14 +132,46 @@ class MeanMotion {
       stays_[i] = true;
       v_[i] += v / 2;
       w_[i] += w / 2;
+      if (!is_single(i)) continue;
       kinetic_change_ += double(before[mass][i]) * v.dot(v_[i]);
       rotational_change_ += double(before[inertia][i]) * dot(w, w_[i]);
     }
     for (Index i = 0; i < before.size(); ++i) {
-      if (stays_[i]) continue;
+      if (stays_[i] || !is_single(i)) continue;
       carried_away_ += (double(before[mass][i]) * v_[i].squaredNorm() +
                         double(before[inertia][i]) * squared_norm(w_[i])) /
                        2;
+    }
+  }
+
+  /// The Clumps of these grains, before the step and after it. Between two kicks their angular
+  /// momenta do not change, nor does the energy of their rotation, see geometry/free_rotation.hpp.
+  template <class Clumps>
+  void set_clumps(const P& grains, const Clumps& before, const Clumps& after) {
+    Index next = 0;
+    clumps_.clear();
+    for (Index k = 0; k < before.size(); ++k) {
+      const auto was = before.state(k);
+      // The clumps that remain are in the same order.
+      if (next == after.size() || after.name(next) != before.name(k)) {
+        carried_away_ += (before.mass_of(k) * was.velocity.squaredNorm() +
+                          dot(before.angular_momentum(k), was.spin)) /
+                         2;
+        continue;
+      }
+      const Vector v = after.state(next).velocity - was.velocity;
+      const Turn momentum = after.angular_momentum(next) - before.angular_momentum(k);
+      const Vector mean_v = was.velocity + v / 2;
+      const Turn mean_w = before.spin_with(k, Turn(before.angular_momentum(k) + momentum / 2));
+      kinetic_change_ += before.mass_of(k) * v.dot(mean_v);
+      rotational_change_ += dot(momentum, mean_w);
+      clumps_.push_back(
+          {before.mass_of(k), mean_v, mean_w, Turn(before.angular_momentum(k) + momentum / 2)});
+      before.for_each_sphere(grains, k, [&](Index i, const Vector& r) {
+        v_[i] = mean_v + cross(mean_w, r);
+        w_[i] = mean_w;
+      });
+      ++next;
     }
   }
 
@@ -140,6 +180,17 @@ class MeanMotion {
   void transfer(Archive& archive) {
     archive("kinetic_change", kinetic_change_);
     archive("rotational_change", rotational_change_);
+  }
+
+  /// Of a damping model on the clumps [W].
+  template <class D>
+  double power_on_clumps(const D& damping) const {
+    double power = 0;
+    for (const Clump& each : clumps_) {
+      power += each.mass * each.v.dot(damping.drag(each.v)) +
+               dot(each.w, Turn(damping.drag(each.momentum)));
+    }
+    return power;
   }
 
   double duration() const noexcept { return duration_; }
@@ -216,6 +267,14 @@ class MeanMotion {
     return {in_double(force_of(answer, n)), in_double(couple_of(answer))};
   }
 
+  // A clump at N.
+  struct Clump {
+    double mass;
+    Vector v;
+    Turn w;
+    Turn momentum;
+  };
+
   double duration_ = 0;
   double kinetic_change_ = 0;
   double rotational_change_ = 0;
@@ -223,6 +282,7 @@ class MeanMotion {
   std::vector<Vector> v_;
   std::vector<Turn> w_;
   std::vector<char> stays_;
+  std::vector<Clump> clumps_;
 };
 
 }  // namespace detail

@@ -52,9 +52,9 @@ class EnergyLedger {
   /// Accounts for changes since the last step; needed only if there were any.
   template <class Sim>
   void before_step(const Sim& simulation) {
-    const double noted = energy_of_motion(before_);
+    const double noted = motion_before().sum();
     keep_state(simulation);
-    added_since_ += energy_of_motion(before_) - noted;
+    added_since_ += motion_before().sum() - noted;
   }
 
   /// Must be called after every step. Throws if a step was missed, or if grains were added without
@@ -91,6 +91,7 @@ class EnergyLedger {
   template <class Archive>
   void transfer(Archive& archive) {
     archive.within("before", [&] { before_.transfer(archive); });
+    if constexpr (has_clumps) archive.within("clumps", [&] { clumps_.transfer(archive); });
     archive("steps", steps_);
     archive("before_time", before_time_);
     archive("time_step", time_step_);
@@ -122,13 +123,39 @@ class EnergyLedger {
   using Stored = PairHistory<ElasticEnergies>;
   using Entries = std::vector<Stored::Entry>;
 
-  static double energy_of_motion(const P& grains) {
-    return kinetic_energy(grains) + rotational_energy(grains);
+  // The clumps of ClumpGrains, and their energy in place of that of their spheres.
+  static constexpr bool has_clumps = HasFields<P, clump_t>;
+  struct NoClumps {};
+  using KeptClumps = std::conditional_t<has_clumps, Clumps<P::dimension>, NoClumps>;
+  struct MotionEnergies {
+    double kinetic = 0;
+    double rotational = 0;
+    double sum() const { return kinetic + rotational; }
+  };
+  MotionEnergies motion_before() const {
+    if constexpr (!has_clumps) {
+      return {.kinetic = kinetic_energy(before_), .rotational = rotational_energy(before_)};
+    } else {
+      MotionEnergies sum;
+      for (Index i = 0; i < before_.size(); ++i) {
+        if (before_[clump][i] != 0) continue;
+        sum.kinetic += double(before_[mass][i]) * in_double(before_[velocity][i]).squaredNorm() / 2;
+        sum.rotational +=
+            double(before_[inertia][i]) * squared_norm(in_double(before_[spin][i])) / 2;
+      }
+      for (Index k = 0; k < clumps_.size(); ++k) {
+        const auto state = clumps_.state(k);
+        sum.kinetic += clumps_.mass_of(k) * state.velocity.squaredNorm() / 2;
+        sum.rotational += dot(clumps_.angular_momentum(k), state.spin) / 2;
+      }
+      return sum;
+    }
   }
 
   template <class Sim>
   void keep_state(const Sim& simulation) {
     before_ = simulation.particles();
+    if constexpr (has_clumps) clumps_ = simulation.integrator().clumps();
     steps_ = simulation.steps();
     before_time_ = simulation.time();
     time_step_ = simulation.last_time_step();
@@ -148,14 +175,17 @@ class EnergyLedger {
   void add_step(const Sim& simulation) {
     static_assert(
         requires { simulation.integrator().damping(); },
-        "silt::dem::EnergyLedger requires the integrator Leapfrog");
+        "silt::dem::EnergyLedger requires the integrator Leapfrog, or ClumpLeapfrog");
     const P& after = simulation.particles();
     const Work last = std::exchange(step_, {});
     added_energy_ += added_since_;
     motion_.set(before_, after, (time_step_ + simulation.last_time_step()) / 2);
+    if constexpr (has_clumps)
+      motion_.set_clumps(before_, clumps_, simulation.integrator().clumps());
     added_since_ = -motion_.carried_away();
-    energies_ = {.kinetic = kinetic_energy(before_) + motion_.kinetic_change() / 2,
-                 .rotational = rotational_energy(before_) + motion_.rotational_change() / 2};
+    const MotionEnergies before = motion_before();
+    energies_ = {.kinetic = before.kinetic + motion_.kinetic_change() / 2,
+                 .rotational = before.rotational + motion_.rotational_change() / 2};
     Losses lost;
     Entries stored;
     const bool knows_all = add_work(simulation.interaction(), lost, stored);
@@ -213,15 +243,25 @@ class EnergyLedger {
   void add_damping(const D& damping) {
     if constexpr (requires { damping.drag(1.0); }) {
       for (Index i = 0; i < before_.size(); ++i) {
-        if (!motion_.stays(i)) continue;
+        if (!motion_.stays(i) || is_of_clump(i)) continue;
         const auto& v = motion_.velocity_of(i);
         const auto& w = motion_.spin_of(i);
         const double power = double(before_[mass][i]) * v.dot(damping.drag(v)) +
                              double(before_[inertia][i]) * dot(w, damping.drag(w));
         step_.damping += power * motion_.duration();
       }
+      if constexpr (has_clumps)
+        step_.damping += motion_.power_on_clumps(damping) * motion_.duration();
     } else {
       step_.damping = energy_change_of_step() - step_.sum();
+    }
+  }
+
+  bool is_of_clump([[maybe_unused]] Index i) const {
+    if constexpr (has_clumps) {
+      return before_[clump][i] != 0;
+    } else {
+      return false;
     }
   }
 
@@ -254,6 +294,7 @@ class EnergyLedger {
   bool exists(Id id) const { return is_wall_id(id) || before_.index_of(id) != no_index; }
 
   P before_;  // grains at the end of the last step or the beginning of the next
+  KeptClumps clumps_;  // likewise
   std::uint64_t steps_ = 0;
   double before_time_ = 0;
   double time_step_ = 0;

@@ -17,6 +17,9 @@ namespace silt::dem {
 inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 } material{};  ///< of a grain: an index in dem::Materials [-]
 
+template <int Dim>
+class Clumps;  // dem/clump/clumps.hpp
+
 /// Of a sphere of a clump, see dem/clump/clumps.hpp: 1 + the id of its first sphere [-]; 0 of a
 /// grain that belongs to none.
 inline constexpr struct clump_t : field_of<Id>, constant_field {

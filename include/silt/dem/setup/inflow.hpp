@@ -57,16 +57,22 @@ bool would_touch_wall(const I& interaction, const Vec& x, Real radius, double ti
 }
 }  // namespace detail
 
-/// Observer that adds grains to a region before a step, where they touch no other grain and no wall
-/// of the simulation's contacts. The k-th grain uses the random numbers of the stream (seed, k),
-/// which do not depend on the course of the run. If there is no free position for a grain, it and
-/// all following grains are added later, so that the size distribution is kept.
+/// Observer that adds grains, or clumps of a ClumpBlend, to a region before a step, where they
+/// touch no other grain and no wall of the simulation's contacts. The k-th grain uses the random
+/// numbers of the stream (seed, k), which do not depend on the course of the run. If there is no
+/// free position for a grain, it and all following grains are added later, so that the size
+/// distribution is kept.
 ///
 /// At the first attempt to add a grain, throws silt::Error if other grains are not the reason that
 /// there is none: if it has no room in the region, or the first grain none beside the walls. Other
-/// grains may move away: see positions_tried().
-template <class R, SizeDistribution Sizes>
+/// grains may move away: see positions_tried(). `Sizes` is that of a Blend, or a ClumpBlend.
+template <class R, class Sizes>
 class Inflow {
+  using Source = typename detail::BlendFor<Sizes>::type;
+  static_assert(DrawsGrains<Source>,
+                "silt::dem::Inflow: the second argument is neither a Blend nor a ClumpBlend (see "
+                "DrawsGrains in silt/dem/setup/size_distribution.hpp)");
+
  public:
   /// The bounding Box of the region.
   using Bounds = std::remove_cvref_t<decltype(std::declval<const R&>().bounds())>;
@@ -85,11 +91,11 @@ class Inflow {
 
   /// Throws if the region, the blend or a setting is out of range, and if more than 1e8 grains
   /// would be added at once.
-  Inflow(R region, Blend<Sizes> blend, const Settings& settings)
+  Inflow(R region, Source blend, const Settings& settings)
       : region_(std::move(region)),
         blend_(std::move(blend)),
         settings_(settings),
-        near_(region_.bounds(), blend_.sizes.largest()) {
+        near_(region_.bounds(), blend_.largest()) {
     region_.check();
     blend_.check();
     if (settings_.rate) require_positive("Inflow: rate", *settings_.rate);
@@ -116,10 +122,9 @@ class Inflow {
     const double since = simulation.time() - settings_.from;
     if (since < 0 || added_ >= due(since)) return;
     if (!schedule_.is_due({.since = since, .every = settings_.every})) return;
-    add_grains(
-        simulation.particles(), due(since), simulation.time(), [&](const Vec& x, Real radius) {
-          return detail::would_touch_wall(simulation.interaction(), x, radius, simulation.time());
-        });
+    add_grains(simulation, due(since), [&](const Vec& x, Real radius) {
+      return detail::would_touch_wall(simulation.interaction(), x, radius, simulation.time());
+    });
   }
 
   /// State for a checkpoint, see core/transfer.hpp.
@@ -148,14 +153,15 @@ class Inflow {
           ", are more than 1e8; add fewer or larger grains, or set a lower rate"});
   }
 
-  template <class P, class TouchesWall>
-  void add_grains(P& grains, Index target, double time, TouchesWall&& touches_wall) {
+  template <class Sim, class TouchesWall>
+  void add_grains(Sim& simulation, Index target, TouchesWall&& touches_wall) {
     check_number(target - added_);
-    detail::Placement<R, P::dimension, Real> placement(grains, region_,
-                                                       near_.find(std::as_const(grains)));
+    auto& grains = simulation.particles();
+    detail::Placement<R, int(dimension), Real> placement(std::as_const(grains), region_,
+                                                         near_.find(std::as_const(grains)));
     while (added_ < target) {
       Random random{.seed = settings_.seed, .id = added_};
-      const Grain grain = blend_.draw(random);
+      const auto grain = blend_.draw(random);
       random.counter += tried_;
       const auto drawn = random.counter;
       detail::check_fits("Inflow", Bounds(region_.bounds()), grain.radius);
@@ -163,11 +169,18 @@ class Inflow {
       const bool is_first_attempt = tried_ == 0;
       tried_ += random.counter - drawn;
       if (!ball) {
-        if (is_first_attempt) require_room(placement, Real(grain.radius), time, touches_wall);
+        if (is_first_attempt) {
+          require_room(placement, Real(grain.radius), simulation.time(), touches_wall);
+        }
         return;
       }
-      const Index i = add_grain(grains, ball->centre, grain);
-      grains[velocity][i] = settings_.velocity;
+      if constexpr (SizeDistribution<Sizes>) {
+        const Index i = add_grain(grains, ball->centre, grain);
+        grains[velocity][i] = settings_.velocity;
+      } else {
+        blend_.add(grains, simulation.integrator().clumps(), ball->centre, grain,
+                   settings_.velocity);
+      }
       ++added_;
       tried_ = 0;
     }
@@ -193,7 +206,7 @@ class Inflow {
   static constexpr std::uint64_t dimension = Vec::RowsAtCompileTime;
 
   R region_;
-  Blend<Sizes> blend_;
+  Source blend_;
   Settings settings_;
   Index added_ = 0;
   std::uint64_t tried_ = 0;  // random numbers used so far for the next grain
@@ -203,10 +216,12 @@ class Inflow {
 
 template <class R, class Sizes>
 Inflow(R, Blend<Sizes>, typename Inflow<R, Sizes>::Settings) -> Inflow<R, Sizes>;
+template <class R, class B>
+Inflow(R, B, typename Inflow<R, B>::Settings) -> Inflow<R, B>;
 
 /// Observer that removes, before a step, the grains whose centres are in a region, and counts them,
-/// those of all processes that share the grains.
-/// The region may be unbounded, e.g. a Box with a single finite side.
+/// those of all processes that share the grains; of a clump all spheres, if its centre of mass is
+/// there. The region may be unbounded, e.g. a Box with a single finite side.
 template <class R>
 class Outflow {
  public:
@@ -221,14 +236,17 @@ class Outflow {
     require_not_negative("Outflow: every", settings_.every);
   }
 
-  Index number() const noexcept { return number_; }  ///< removed so far
+  Index number() const noexcept { return number_; }  ///< of grains and clumps removed so far
   double mass() const noexcept { return mass_; }     ///< of the removed grains [kg]
 
   template <class Sim>
   void before_step(Sim& simulation) {
     if (!schedule_.is_due({.since = simulation.time(), .every = settings_.every})) return;
     const auto& grains = std::as_const(simulation.particles());  // only removal changes them
-    const auto is_in = [&](Index i) { return region_.clearance(grains[position][i]) >= 0; };
+    remove_clumps(simulation);
+    const auto is_in = [&](Index i) {
+      return !is_of_clump(grains, i) && region_.clearance(grains[position][i]) >= 0;
+    };
     double own_number = 0;
     double own_mass = 0;
     silt::detail::together(grains, [&] {
@@ -255,6 +273,28 @@ class Outflow {
   }
 
  private:
+  template <class P>
+  static bool is_of_clump([[maybe_unused]] const P& grains, [[maybe_unused]] Index i) {
+    if constexpr (HasFields<P, clump_t>) {
+      return grains[clump][i] != 0;
+    } else {
+      return false;
+    }
+  }
+  template <class Sim>
+  void remove_clumps([[maybe_unused]] Sim& simulation) {
+    if constexpr (requires { simulation.integrator().clumps(); }) {
+      auto& clumps = simulation.integrator().clumps();
+      using Position = std::remove_cvref_t<decltype(simulation.particles()[position][0])>;
+      number_ += clumps.remove_if(simulation.particles(), [&](Index k) {
+        const Position at = clumps.state(k).position.template cast<typename Position::Scalar>();
+        if (!(region_.clearance(at) >= 0)) return false;
+        mass_ += clumps.mass_of(k);
+        return true;
+      });
+    }
+  }
+
   R region_;
   Settings settings_;
   detail::Schedule schedule_;

@@ -28,6 +28,7 @@
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 namespace silt::dem {
@@ -218,8 +219,8 @@ inline std::string text_of(const Scatter& scatter, double expected) {
 
 /// About how many grains a placement adds to a region of this volume [m³]. Throws if there are too
 /// many.
-template <int Dim, class Sizes>
-double expected_number(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
+template <int Dim, DrawsGrains B>
+double expected_number(const B& blend, const Scatter& scatter, double volume) {
   if (scatter.number.has_value() == scatter.solid_fraction.has_value()) {
     fail("dem::scatter: give either number or solid_fraction");
   }
@@ -234,13 +235,19 @@ double expected_number(const Blend<Sizes>& blend, const Scatter& scatter, double
   return expected;
 }
 
-template <class P, class Sizes>
-std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter, double volume) {
-  constexpr int Dim = P::dimension;
+template <class P, DrawsGrains B>
+auto draw_grains(const B& blend, const Scatter& scatter, double volume) {
   const double share = scatter.solid_fraction.value_or(0);
-  std::vector<Grain> drawn;
+  std::vector<decltype(blend.draw(std::declval<Random&>()))> drawn;
+  const auto volume_of_last = [&] {
+    if constexpr (requires { blend.volume(drawn.back()); }) {
+      return blend.volume(drawn.back());
+    } else {
+      return volume_of<P::dimension>(drawn.back().radius);
+    }
+  };
   for (double filled = 0; scatter.number ? drawn.size() < *scatter.number : filled < share * volume;
-       filled += volume_of<Dim>(drawn.back().radius)) {
+       filled += volume_of_last()) {
     if (filled > volume) {
       fail({"dem::scatter: number = ", *scatter.number, " grains have no room: the first ",
             drawn.size(), " of them have the volume of the region, ", volume,
@@ -248,10 +255,10 @@ std::vector<Grain> draw_grains(const Blend<Sizes>& blend, const Scatter& scatter
     }
     Random random{.seed = scatter.seed, .id = drawn.size()};
     drawn.push_back(blend.draw(random));
-    inertia_of<P>(drawn.back());
+    if constexpr (requires { inertia_of<P>(drawn.back()); }) inertia_of<P>(drawn.back());
   }
   std::stable_sort(drawn.begin(), drawn.end(),
-                   [](const Grain& a, const Grain& b) { return a.radius > b.radius; });
+                   [](const auto& a, const auto& b) { return a.radius > b.radius; });
   return drawn;
 }
 
@@ -262,10 +269,11 @@ struct NoWalls {
   }
 };
 
-/// Places the grains of scatter() in a region of this volume [m³]; adds all, or throws.
-template <class P, class Sizes, class R, class Walls>
-void scatter_in(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
-                double volume, const Walls& walls) {
+/// Places the grains of scatter() in a region of this volume [m³]; adds all by add(x, drawn), or
+/// throws.
+template <class P, DrawsGrains B, class R, class Walls, class Add>
+void scatter_in(P& grains, const B& blend, const R& region, const Scatter& scatter, double volume,
+                const Walls& walls, Add&& add) {
   using Real = typename P::Real;
   const auto touches_wall = [&](const typename P::Vec& x, Real radius) {
     return walls.would_touch(x, radius, 0);
@@ -275,10 +283,10 @@ void scatter_in(P& grains, const Blend<Sizes>& blend, const R& region, const Sca
     const Box<P::dimension, Real> bounds = region.bounds();
     check_fits("dem::scatter", bounds, drawn.front().radius);
   }
-  Placement<R, P::dimension, Real> placement(grains, region, blend.sizes.largest());
+  Placement<R, P::dimension, Real> placement(std::as_const(grains), region, blend.largest());
   std::vector<Ball<P::dimension, Real>> placed;
   double filled = 0;
-  for (const Grain& grain : drawn) {
+  for (const auto& grain : drawn) {
     // The first numbers of each stream were used for the radii.
     Random random{.seed = scatter.seed, .id = placed.size(), .counter = std::uint64_t{1} << 32};
     const auto ball = placement.find(random, Real(grain.radius), scatter.tries, touches_wall);
@@ -292,7 +300,32 @@ void scatter_in(P& grains, const Blend<Sizes>& blend, const R& region, const Sca
     filled += volume_of<P::dimension>(grain.radius);
   }
   grains.reserve(grains.size() + placed.size());
-  for (Index k = 0; k < placed.size(); ++k) add_grain(grains, placed[k].centre, drawn[k]);
+  for (Index k = 0; k < placed.size(); ++k) add(placed[k].centre, drawn[k]);
+}
+
+/// scatter() with any source.
+template <class P, DrawsGrains B, class R, class Walls, class Add>
+void scatter_any(P& grains, const B& blend, const R& region, const Scatter& scatter,
+                 const Walls& walls, Add&& add) {
+  using Real = typename P::Real;
+  blend.check();
+  region.check();
+  check_tries("dem::scatter", scatter.tries);
+  const double volume = region.volume();
+  if (scatter.solid_fraction) require_positive("dem::scatter: volume of the region", volume);
+  check_bounds(Box<P::dimension, Real>(region.bounds()));
+  const double expected = expected_number<P::dimension>(blend, scatter, volume);
+  const auto fail_for_memory = [&] {
+    fail({"dem::scatter: ", text_of(scatter, expected),
+          " do not fit into memory; place fewer or larger grains"});
+  };
+  try {
+    scatter_in(grains, blend, region, scatter, volume, walls, add);
+  } catch (const std::bad_alloc&) {
+    fail_for_memory();
+  } catch (const std::length_error&) {
+    fail_for_memory();
+  }
 }
 
 }  // namespace detail
@@ -306,25 +339,21 @@ template <class P, class Sizes, Region<P::dimension, typename P::Real> R,
           class Walls = detail::NoWalls>
 void scatter(P& grains, const Blend<Sizes>& blend, const R& region, const Scatter& scatter,
              const Walls& walls = {}) {
-  using Real = typename P::Real;
-  blend.check();
-  region.check();
-  detail::check_tries("dem::scatter", scatter.tries);
-  const double volume = region.volume();
-  if (scatter.solid_fraction) require_positive("dem::scatter: volume of the region", volume);
-  detail::check_bounds(Box<P::dimension, Real>(region.bounds()));
-  const double expected = detail::expected_number<P::dimension>(blend, scatter, volume);
-  const auto fail_for_memory = [&] {
-    fail({"dem::scatter: ", detail::text_of(scatter, expected),
-          " do not fit into memory; place fewer or larger grains"});
-  };
-  try {
-    detail::scatter_in(grains, blend, region, scatter, volume, walls);
-  } catch (const std::bad_alloc&) {
-    fail_for_memory();
-  } catch (const std::length_error&) {
-    fail_for_memory();
-  }
+  detail::scatter_any(
+      grains, blend, region, scatter, walls,
+      [&](const typename P::Vec& x, const Grain& grain) { add_grain(grains, x, grain); });
+}
+
+/// The same with clumps of a ClumpBlend, whose bounding spheres do not touch, in random
+/// orientations.
+template <class P, class B, Region<P::dimension, typename P::Real> R, class Walls = detail::NoWalls>
+  requires DrawsGrains<B>
+void scatter(P& grains, Clumps<P::dimension>& clumps, const B& blend, const R& region,
+             const Scatter& scatter, const Walls& walls = {}) {
+  detail::scatter_any(grains, blend, region, scatter, walls,
+                      [&](const typename P::Vec& x, const auto& drawn) {
+                        blend.add(grains, clumps, x, drawn, typename P::Vec(P::Vec::Zero()));
+                      });
 }
 
 }  // namespace silt::dem

@@ -80,8 +80,8 @@ void check_in_box(const Box<Dim, Real>& box, const Vec<Dim, Real>& x) {
 }
 
 /// About how many grains fill this volume [m³] without voids.
-template <int Dim, class Sizes>
-double number_in(double volume, const Blend<Sizes>& blend, std::uint64_t seed) {
+template <int Dim, DrawsGrains B>
+double number_in(double volume, const B& blend, std::uint64_t seed) {
   constexpr Index samples = 256;
   double filled = 0;
   for (Index k = 0; k < samples; ++k) {

@@ -190,6 +190,28 @@ struct Blend {
     }
     return {.radius = R, .density = density, .shape = shape, .material = material};
   }
+  /// The largest radius [m].
+  double largest() const { return sizes.largest(); }
 };
+
+/// What Inflow and scatter() put among grains: a Blend, or clumps, see ClumpBlend. It has check(),
+/// largest(), the largest radius [m], and draw(random), a grain or clump with its `radius` [m].
+template <class B>
+concept DrawsGrains = requires(const B blend, Random& random) {
+  blend.check();
+  { blend.largest() } -> std::convertible_to<double>;
+  { blend.draw(random).radius } -> std::convertible_to<double>;
+};
+
+namespace detail {
+template <class Sizes>
+struct BlendFor {
+  using type = Sizes;
+};
+template <SizeDistribution Sizes>
+struct BlendFor<Sizes> {
+  using type = Blend<Sizes>;
+};
+}  // namespace detail
 
 }  // namespace silt::dem
