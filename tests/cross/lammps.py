@@ -9,6 +9,8 @@ Prints a table and exits with 1 if a difference is larger than allowed, with 77 
 installed.
 
 Two spheres collide obliquely: positions, velocities and spins agree to 1 % of their maximum.
+Two clumps of three spheres (fix rigid) collide: until they meet, the difference of their positions
+falls by four when the time steps are halved; the kinetic energy after it agrees to 1 %.
 Two sticky spheres (JKR) collide: the velocity agrees to 5e-4 until LAMMPS ends the contact, at
 about half of the gap at which the neck breaks; Silt's lasts until there, and leaves with the speed
 that the energy of the neck leaves.
@@ -27,6 +29,7 @@ SKIPPED = 77
 # Units as in bench/scenes.hpp: diameter, mass and gravity are 1. Laws are kn, kt, gamma_n, gamma_t,
 # xmu.
 PAIR = {"law": "200000 57142.857142857143 50 25 0.5", "dt": 1e-4, "until": 0.5, "every": 1e-4}
+CLUMP = {"law": "20000 5714.2857142857143 24 12 0.5", "dt": 1e-3, "until": 1, "every": 5e-2}
 JKR = {"law": "20000 0 0.3 10", "dt": 1e-5, "until": 0.1, "every": 1e-4}
 COLLAPSE = {"law": "20000 5714.2857142857143 240 120 0.5", "dt": 2e-4, "until": 10,
             "every": 0.02}
@@ -136,6 +139,28 @@ def kinetic_energy(frame):
     return energy
 
 
+def clump_rows(program, folder, state):
+    runs = {}
+    for divisor in (1, 2, 50):
+        settings = {**CLUMP, "dt": CLUMP["dt"] / divisor}
+        runs[divisor] = [run_one() for run_one in both(program, folder, "clump", state, **settings)]
+    energies = [kinetic_energy(frame) for frame in runs[50][0]]
+    meeting = next(k for k, e in enumerate(energies) if abs(e / energies[0] - 1) > 1e-6)
+
+    def apart(divisor):
+        theirs, ours = runs[divisor]
+        return max(norm(a - b for a, b in zip(their[1:4], our[1:4]))
+                   for their_frame, our_frame in zip(theirs[:meeting], ours)
+                   for their, our in zip(their_frame, our_frame))
+
+    yield "clump, positions until they meet: apart, and at half Δt", apart(1), apart(2), \
+        abs(4 * apart(2) / apart(1) - 1), 0.1
+    after = [kinetic_energy(frames[-1]) for frames in runs[50]]
+    yield "clump, kinetic energy before they meet", energies[0], kinetic_energy(runs[50][1][0]), \
+        abs(kinetic_energy(runs[50][1][0]) / energies[0] - 1), 1e-9
+    yield "clump, kinetic energy after it", *after, abs(after[1] / after[0] - 1), 0.01
+
+
 def mean_height(frame):
     return sum(row[3] for row in frame) / len(frame)
 
@@ -176,7 +201,8 @@ def main():
     folder.mkdir(parents=True, exist_ok=True)
     good = True
     print(f"{'quantity':60} {'LAMMPS':>12} {'Silt':>12} {'difference':>10} {'allowed':>10}")
-    for scene, rows_of in (("pair", pair_rows), ("jkr", jkr_rows), ("collapse", collapse_rows)):
+    for scene, rows_of in (("pair", pair_rows), ("clump", clump_rows), ("jkr", jkr_rows),
+                          ("collapse", collapse_rows)):
         state = folder / f"{scene}.data"
         run(program, "make", scene, state)
         for quantity, theirs, ours, difference, allowed in rows_of(program, folder, state):

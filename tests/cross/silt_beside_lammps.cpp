@@ -4,19 +4,24 @@
 //   silt_beside_lammps run SCENE FILE LAW TIME_STEP STEPS EVERY FRAMES
 //                                                         runs it; a frame every EVERY steps
 // LAW is "kn kt gamma_n gamma_t xmu", or "E 0 nu gamma" of jkr.
-// Scenes: jkr, a head-on impact of two equal sticky spheres; pair, an oblique impact of two unequal
+// Scenes: clump, an oblique impact of two rigid bodies of three spheres; jkr, a head-on impact of two equal sticky spheres; pair, an oblique impact of two unequal
 // spheres with spin; collapse, a block of 500 equal spheres that collapses on a floor. Units as in
 // bench/scenes.hpp.
 #include "../../bench/states.hpp"
 
 #include <silt/dem.hpp>
+#include <silt/dem/clump/clump_leapfrog.hpp>
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace {
 
@@ -36,6 +41,47 @@ State sticky_pair() {
   state.bodies.push_back({.x = -0.505 * axis, .v = axis});
   state.bodies.push_back({.x = 0.505 * axis, .v = -axis});
   return state;
+}
+
+// Bent lines of three spheres that overlap, with a spin about three axes.
+State two_clumps() {
+  State state{.bodies = {}, .lower = Vec3::Constant(-6), .upper = Vec3::Constant(6)};
+  const std::array<Vec3, 3> shape{Vec3(-0.6, 0, 0), Vec3(0, 0.1, 0), Vec3(0.5, -0.2, 0.3)};
+  const std::array<double, 3> diameters{1, 0.9, 0.8};
+  const auto add = [&](const Vec3& at, const Vec3& v, const Vec3& w) {
+    for (std::size_t s = 0; s < 3; ++s) {
+      state.bodies.push_back({.x = at + shape[s],
+                              .v = v + silt::cross(w, shape[s]),
+                              .w = w,
+                              .diameter = diameters[s]});
+    }
+  };
+  add(Vec3(-1.3, 0, 0), Vec3(1, 0.2, 0), Vec3(1, 0.7, -0.4));
+  add(Vec3(1.3, 0.4, 0.1), Vec3(-1, 0, 0.1), Vec3(-0.5, 1, 0.8));
+  return state;
+}
+
+double mass_of(const Body& sphere) { return sphere.diameter * sphere.diameter * sphere.diameter; }
+
+// Those of LAMMPS's fix rigid: the sums over the spheres, also of what they have in common.
+silt::dem::ClumpShape<3> shape_of(std::span<const Body> spheres) {
+  using namespace silt;
+  MassProperties<3> sum;
+  std::vector<Ball<3>> balls;
+  for (const Body& each : spheres) {
+    const double m = mass_of(each);
+    balls.push_back({each.x, each.diameter / 2});
+    sum.mass += m;
+    sum.centre += m * each.x;
+  }
+  sum.centre /= sum.mass;
+  for (const Body& each : spheres) {
+    const Vec3 r = each.x - sum.centre;
+    sum.inertia += mass_of(each) * ((r.squaredNorm() + 0.1 * each.diameter * each.diameter) *
+                                        Inertia<3>::Identity() -
+                                    r * r.transpose());
+  }
+  return {balls, sum};
 }
 
 // 10 × 5 × 10 spheres without contacts, so that the first steps of the two codes are equal. The
@@ -112,6 +158,22 @@ void run(std::string_view scene, const State& state, const char* law_text, const
   }
   const HookeHistory law = law_of(law_text);
   const auto settings = settings_for<HookeHistory>();
+  if (scene == "clump") {
+    dem::ClumpGrains<3> spheres;
+    dem::Clumps<3> clumps;
+    for (const auto some : {std::span(state.bodies).first(3), std::span(state.bodies).last(3)}) {
+      const dem::ClumpShape<3> shape = shape_of(some);
+      const Vec3& centre = shape.mass_properties().centre;
+      clumps.add(spheres, shape,
+                 {.position = centre,
+                  .velocity = some[0].v + cross(some[0].w, Vec3(centre - some[0].x)),
+                  .spin = some[0].w});
+    }
+    run(Simulation{spheres, NeighbourList<3>{}, dem::Contacts{law}.with(settings),
+                   dem::ClumpLeapfrog{clumps}},
+        frames);
+    return;
+  }
   if (scene == "pair") {
     run(Simulation{grains, NeighbourList<3>{}, dem::Contacts{law}.with(settings),
                    Leapfrog{}},
@@ -130,9 +192,11 @@ void run(std::string_view scene, const State& state, const char* law_text, const
 int main(int argc, char** argv) try {
   const std::string_view what = argc > 2 ? argv[1] : "";
   const std::string_view scene = argc > 2 ? argv[2] : "";
-  const bool known = scene == "pair" || scene == "collapse" || scene == "jkr";
+  const std::map<std::string_view, State (*)()> states{
+      {"clump", two_clumps}, {"collapse", block}, {"jkr", sticky_pair}, {"pair", pair}};
+  const bool known = states.contains(scene);
   if (what == "make" && known && argc == 4) {
-    write(scene == "pair" ? pair() : scene == "jkr" ? sticky_pair() : block(), argv[3]);
+    write(states.at(scene)(), argv[3]);
     return 0;
   }
   if (what == "run" && known && argc == 9) {
