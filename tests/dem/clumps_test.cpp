@@ -5,6 +5,7 @@
 #include <silt/dem/clump/clump_blend.hpp>
 #include <silt/dem/clump/clump_leapfrog.hpp>
 #include <silt/io/checkpoint.hpp>
+#include <silt/io/vtk_clumps.hpp>
 
 #include "support/check.hpp"
 #include "support/file_test.hpp"
@@ -13,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace silt::test::clumps_test {
@@ -52,32 +54,32 @@ const dem::CundallStrack law{.normal_stiffness = 1e5,
                              .friction_angle = 0.4};
 
 template <int Dim>
-struct Crowd {
+struct Bed {
   dem::ClumpGrains<Dim> grains;
   dem::Clumps<Dim> clumps;
 };
 // A few clumps and single grains, which fall on each other.
 template <int Dim>
-Crowd<Dim> crowd_of_clumps(int along = 3) {
-  Crowd<Dim> crowd;
+Bed<Dim> bed_of_clumps(int along = 3) {
+  Bed<Dim> bed;
   for (int i = 0; i < along; ++i) {
     for (int j = 0; j < along; ++j) {
       dem::ClumpPlacement<Dim> place{.position = at<Dim>(0.05 * i, 0.03 + 0.05 * j, 0.003 * j),
                                      .velocity = at<Dim>(0.3 * (j - 1), -0.2 * i, 0.1)};
       place.orientation = Orientation<Dim>{}.turned(spinning<Dim>(0.3 * i, 0.5 * j, 0.7 * i + j));
       place.spin = spinning<Dim>(20 * i, -10, 15 - 10 * j);
-      crowd.clumps.add(crowd.grains, bent<Dim>(), place);
+      bed.clumps.add(bed.grains, bent<Dim>(), place);
     }
-    dem::add_grain(crowd.grains, at<Dim>(0.05 * i, 0.2), {.radius = R, .density = density});
+    dem::add_grain(bed.grains, at<Dim>(0.05 * i, 0.2), {.radius = R, .density = density});
   }
-  return crowd;
+  return bed;
 }
 template <int Dim>
-auto simulation(Crowd<Dim> crowd) {
-  return Simulation{std::move(crowd.grains), UniformGrid<Dim>{},
+auto simulation(Bed<Dim> bed) {
+  return Simulation{std::move(bed.grains), UniformGrid<Dim>{},
                     Forces{dem::Contacts{law, dem::Plane<Dim>{.normal = at<Dim>(0, 1)}},
                            Gravity<Dim>{at<Dim>(0, -9.81)}},
-                    dem::ClumpLeapfrog{std::move(crowd.clumps), GlobalDamping{}}};
+                    dem::ClumpLeapfrog{std::move(bed.clumps), GlobalDamping{}}};
 }
 
 template <class D>
@@ -87,44 +89,43 @@ TYPED_TEST_SUITE(Clumps, Dims);
 
 TYPED_TEST(Clumps, DivideTheirMassAndMomentOfInertia) {
   constexpr int Dim = TypeParam::value;
-  auto crowd = crowd_of_clumps<Dim>(1);
+  auto bed = bed_of_clumps<Dim>(1);
   const auto& shape = bent<Dim>();
-  ASSERT_EQ(crowd.grains.size(), 4u);
+  ASSERT_EQ(bed.grains.size(), 4u);
   double mass_of_spheres = 0;
   Vec<Dim> centre = Vec<Dim>::Zero();
   for (Index i = 0; i < 3; ++i) {
-    const double m = crowd.grains[mass][i];
+    const double m = bed.grains[mass][i];
     EXPECT_GT(m, 0);
-    EXPECT_GT(crowd.grains[inertia][i], 0.02 * m * R * R);
-    EXPECT_EQ(crowd.grains[dem::clump][i], crowd.clumps.name(0));
-    EXPECT_EQ(crowd.grains[dem::clump_mass][i], shape.mass_properties().mass);
+    EXPECT_GT(bed.grains[inertia][i], 0.02 * m * R * R);
+    EXPECT_EQ(bed.grains[dem::clump][i], bed.clumps.name(0));
+    EXPECT_EQ(bed.grains[dem::clump_mass][i], shape.mass_properties().mass);
     mass_of_spheres += m;
-    centre += m * crowd.grains[position][i];
+    centre += m * bed.grains[position][i];
   }
-  const auto body = crowd.clumps.state(0);
+  const auto body = bed.clumps.state(0);
   EXPECT_NEAR(mass_of_spheres / shape.mass_properties().mass, 1, 1e-12);
   EXPECT_LT((centre / mass_of_spheres - body.position).norm(), 1e-12 * R);
-  EXPECT_EQ(crowd.grains[dem::clump][3], 0u);
-  EXPECT_EQ(crowd.grains[dem::clump_mass][3], crowd.grains[mass][3]);
+  EXPECT_EQ(bed.grains[dem::clump][3], 0u);
+  EXPECT_EQ(bed.grains[dem::clump_mass][3], bed.grains[mass][3]);
   // Energy and angular momentum of the body: ½ M V² + ½ ω Θ ω.
   const double M = shape.mass_properties().mass;
-  crowd.grains.remove(crowd.grains.id(3));
-  const double energy =
-      energy_of_motion(crowd.grains) + crowd.clumps.energy_beyond_spheres(crowd.grains);
-  const auto L = crowd.clumps.angular_momentum(0);
+  bed.grains.remove(bed.grains.id(3));
+  const double energy = energy_of_motion(bed.grains) + bed.clumps.energy_beyond_spheres(bed.grains);
+  const auto L = bed.clumps.angular_momentum(0);
   EXPECT_NEAR(energy, M * body.velocity.squaredNorm() / 2 + dot(L, body.spin) / 2, 1e-12 * energy);
 }
 
 // In the middle of nowhere, with an L and a spin about three axes.
 TYPED_TEST(Clumps, FlyFreely) {
   constexpr int Dim = TypeParam::value;
-  Crowd<Dim> crowd;
-  crowd.clumps.add(crowd.grains, bent<Dim>(),
-                   {.position = at<Dim>(1, 2, 3),
-                    .velocity = at<Dim>(0.3, -0.2, 0.1),
-                    .spin = spinning<Dim>(3, 4, 5)});
-  auto sim = Simulation{crowd.grains, UniformGrid<Dim>{}, Gravity<Dim>{at<Dim>(0, 0)},
-                        dem::ClumpLeapfrog{crowd.clumps}};
+  Bed<Dim> bed;
+  bed.clumps.add(bed.grains, bent<Dim>(),
+                 {.position = at<Dim>(1, 2, 3),
+                  .velocity = at<Dim>(0.3, -0.2, 0.1),
+                  .spin = spinning<Dim>(3, 4, 5)});
+  auto sim = Simulation{bed.grains, UniformGrid<Dim>{}, Gravity<Dim>{at<Dim>(0, 0)},
+                        dem::ClumpLeapfrog{bed.clumps}};
   const auto energy = [&] {
     const auto grains = sim.snapshot();
     return energy_of_motion(grains) + sim.integrator().clumps().energy_beyond_spheres(grains);
@@ -150,18 +151,18 @@ TYPED_TEST(Clumps, FlyFreely) {
 TYPED_TEST(Clumps, OfOneSphereMoveAsASphere) {
   constexpr int Dim = TypeParam::value;
   const auto fall = [](bool as_clumps) {
-    Crowd<Dim> crowd;
+    Bed<Dim> bed;
     const dem::ClumpShape<Dim> sphere({{at<Dim>(0.5, 0.2, 0.1), R}}, density);
     for (int i = 0; i < 3; ++i) {
       const Vec<Dim> x = at<Dim>(0.006 * i, 0.02 + 0.03 * i, 0.002 * i);
       if (as_clumps) {
-        crowd.clumps.add(crowd.grains, sphere, {.position = x, .spin = spinning<Dim>(1, 2, 3)});
+        bed.clumps.add(bed.grains, sphere, {.position = x, .spin = spinning<Dim>(1, 2, 3)});
       } else {
-        const Index k = dem::add_grain(crowd.grains, x, {.radius = R, .density = density});
-        crowd.grains[spin][k] = spinning<Dim>(1, 2, 3);
+        const Index k = dem::add_grain(bed.grains, x, {.radius = R, .density = density});
+        bed.grains[spin][k] = spinning<Dim>(1, 2, 3);
       }
     }
-    auto sim = simulation(std::move(crowd));
+    auto sim = simulation(std::move(bed));
     const double dt = Dim == 2 ? 1e-4 : 2e-5;
     for (int k = 0; k < 0.1 / dt; ++k) sim.step(dt);
     return sim.snapshot();
@@ -178,11 +179,11 @@ TYPED_TEST(Clumps, OfOneSphereMoveAsASphere) {
 // energy.
 TYPED_TEST(Clumps, ConserveMomentumInContacts) {
   constexpr int Dim = TypeParam::value;
-  Crowd<Dim> crowd;
-  crowd.clumps.add(crowd.grains, bent<Dim>(), {.velocity = at<Dim>(1, 0.1, -0.1)});
-  crowd.clumps.add(crowd.grains, bent<Dim>(),
-                   {.position = at<Dim>(0.045, 0.004, 0.003), .spin = spinning<Dim>(3, -2, 1)});
-  auto sim = simulation(std::move(crowd));
+  Bed<Dim> bed;
+  bed.clumps.add(bed.grains, bent<Dim>(), {.velocity = at<Dim>(1, 0.1, -0.1)});
+  bed.clumps.add(bed.grains, bent<Dim>(),
+                 {.position = at<Dim>(0.045, 0.004, 0.003), .spin = spinning<Dim>(3, -2, 1)});
+  auto sim = simulation(std::move(bed));
   sim.interaction().template part<0>().set_wall_present(0, false);
   sim.interaction().template part<1>() = Gravity<Dim>{at<Dim>(0, 0)};
   const auto momenta = [&] {
@@ -212,13 +213,13 @@ TYPED_TEST(Clumps, GiveTheSameBitsOnAnyThreadsAndAfterARestart) {
   const auto run_steps = [&](auto& sim, int number) {
     for (int k = 0; k < number; ++k) sim.step(dt);
   };
-  auto one = simulation(crowd_of_clumps<Dim>());
+  auto one = simulation(bed_of_clumps<Dim>());
   with_threads(1, [&] { run_steps(one, 2 * steps); });
-  auto many = simulation(crowd_of_clumps<Dim>());
+  auto many = simulation(bed_of_clumps<Dim>());
   with_threads(3, [&] { run_steps(many, steps); });
   const Folder folder;
   write_checkpoint(folder.path / "clumps.silt", many);
-  auto other = simulation(crowd_of_clumps<Dim>(1));
+  auto other = simulation(bed_of_clumps<Dim>(1));
   read_checkpoint(folder.path / "clumps.silt", other);
   run_steps(many, steps);
   run_steps(other, steps);
@@ -233,8 +234,8 @@ TYPED_TEST(Clumps, GiveTheSameBitsOnAnyThreadsAndAfterARestart) {
 
 TYPED_TEST(Clumps, BalanceTheirEnergyInEveryStep) {
   constexpr int Dim = TypeParam::value;
-  auto crowd = crowd_of_clumps<Dim>();
-  auto sim = simulation(std::move(crowd));
+  auto bed = bed_of_clumps<Dim>();
+  auto sim = simulation(std::move(bed));
   sim.integrator().set_damping(GlobalDamping{.alpha = 0.3});
   dem::EnergyLedger ledger(sim);
   const double dt = Dim == 2 ? 1e-4 : 2e-5;
@@ -246,7 +247,7 @@ TYPED_TEST(Clumps, BalanceTheirEnergyInEveryStep) {
 
 TYPED_TEST(Clumps, AreAsBeforeAfterAStepThatFails) {
   constexpr int Dim = TypeParam::value;
-  auto sim = simulation(crowd_of_clumps<Dim>());
+  auto sim = simulation(bed_of_clumps<Dim>());
   for (int k = 0; k < 5; ++k) sim.step(1e-5);
   const auto before = state_of(sim.particles());
   const auto body = sim.integrator().clumps().state(3);
@@ -258,7 +259,7 @@ TYPED_TEST(Clumps, AreAsBeforeAfterAStepThatFails) {
 
 TYPED_TEST(Clumps, AreRemovedWithTheirSpheres) {
   constexpr int Dim = TypeParam::value;
-  auto sim = simulation(crowd_of_clumps<Dim>());
+  auto sim = simulation(bed_of_clumps<Dim>());
   sim.step(1e-5);
   auto& clumps = sim.integrator().clumps();
   const Id first = clumps.name(0), third = clumps.name(2);
@@ -282,22 +283,22 @@ TYPED_TEST(Clumps, AreRemovedWithTheirSpheres) {
 TYPED_TEST(Clumps, FlowInAndOut) {
   constexpr int Dim = TypeParam::value;
   const dem::ClumpBlend<Dim> blend({bent<Dim>(), bent<Dim>().scaled(0.7)});
-  Crowd<Dim> crowd;
+  Bed<Dim> bed;
   const Box<Dim> low{.lower = at<Dim>(-0.1, 0.05, -0.1), .upper = at<Dim>(0.1, 0.2, 0.1)};
-  dem::scatter(crowd.grains, crowd.clumps, blend, low, {.number = 12});
-  ASSERT_EQ(crowd.clumps.size(), 12u);
+  dem::scatter(bed.grains, bed.clumps, blend, low, {.number = 12});
+  ASSERT_EQ(bed.clumps.size(), 12u);
   double smallest = 1;
-  const auto x = std::as_const(crowd.grains)[position];
-  for (Index i = 0; i < crowd.grains.size(); ++i) {
+  const auto x = std::as_const(bed.grains)[position];
+  for (Index i = 0; i < bed.grains.size(); ++i) {
     EXPECT_GT(low.clearance(x[i]), 0);
     for (Index j = 0; j < i; ++j) {
-      if (crowd.grains[dem::clump][i] == crowd.grains[dem::clump][j]) continue;
-      smallest = std::min(smallest,
-                          (x[i] - x[j]).norm() - crowd.grains[radius][i] - crowd.grains[radius][j]);
+      if (bed.grains[dem::clump][i] == bed.grains[dem::clump][j]) continue;
+      smallest =
+          std::min(smallest, (x[i] - x[j]).norm() - bed.grains[radius][i] - bed.grains[radius][j]);
     }
   }
   EXPECT_GT(smallest, 0);
-  auto sim = simulation(std::move(crowd));
+  auto sim = simulation(std::move(bed));
   const Box<Dim> high{.lower = at<Dim>(-0.1, 0.3, -0.1), .upper = at<Dim>(0.1, 0.4, 0.1)};
   Box<Dim> beyond;
   beyond.upper = at<Dim>(INFINITY, 0.02, INFINITY);
@@ -306,6 +307,10 @@ TYPED_TEST(Clumps, FlowInAndOut) {
   sim.interaction().template part<0>().set_wall_present(0, false);
   sim.run({.until = 0.05}, rain, drain);
   EXPECT_EQ(rain.number(), 6u);
+  const std::string frame = vtk_frame_of_clumps(sim.particles(), sim.integrator().clumps());
+  for (const char* name : {"clump", "orientation", "velocity", "spin"}) {
+    EXPECT_NE(frame.find(message_of({"Name=\"", name, "\""})), std::string::npos) << name;
+  }
   sim.run({.until = 0.4}, rain, drain);
   EXPECT_EQ(drain.number(), 18u);
   EXPECT_EQ(sim.particles().size(), 0u);

@@ -21,10 +21,10 @@ FORBIDDEN = re.compile(r"^(iostream|regex|ranges|Eigen/Dense|(unsupported/)?Eige
 THREADS = "core/parallel.hpp"
 LOOP = "core/each_instruction_set.hpp"
 # What folders may include in addition to core/ and themselves.
-SHARED = {"coupled": {"dem", "geometry", "mps", "search"}, "dem": {"geometry"}, "measure": {"geometry"},
+SHARED = {"coupled": {"dem", "geometry", "mps", "search"}, "dem": {"geometry", "integrate"}, "measure": {"geometry"},
           "mpi": {"linear", "solve"}, "mps": {"geometry", "linear"}, "solve": {"linear"}}
 # The rooms of folders, from the lowest floor to the highest.
-FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "measure", "conformance"}],
+FLOORS = {"dem": [{"law", "wall", "setup"}, {"contact"}, {"bond", "clump", "measure", "conformance"}],
           "mps": [{"fluid"}, {"operator"}, {"policy"}, {"wall"}, {"scheme", "record"},
                   {"view", "setup"}, {"pressure"}, {"step", "filling"}]}
 

@@ -29,7 +29,7 @@ struct FreeRotation {
 };
 
 /// The inverse of a moment of inertia [1/(kg m²)].
-inline double inverse_of(double moment) { return 1 / moment; }
+inline double inverse_of(double theta) { return 1 / theta; }
 /// Symmetric to the last bit.
 inline Eigen::Matrix<double, 3, 3> inverse_of(const Eigen::Matrix<double, 3, 3>& a) {
   // The rows of the adjugate of a symmetric matrix are cross products of its columns.

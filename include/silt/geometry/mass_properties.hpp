@@ -42,23 +42,23 @@ struct MassProperties {
 
 /// Row by row.
 template <class InertiaType>
-std::string inertia_to_text(const InertiaType& moment) {
+std::string inertia_to_text(const InertiaType& theta) {
   if constexpr (std::is_same_v<InertiaType, double>) {
-    return to_text(moment);
+    return to_text(theta);
   } else {
-    return to_text(Vec<3>(moment.row(0))) + " " + to_text(Vec<3>(moment.row(1))) + " " +
-           to_text(Vec<3>(moment.row(2)));
+    return to_text(Vec<3>(theta.row(0))) + " " + to_text(Vec<3>(theta.row(1))) + " " +
+           to_text(Vec<3>(theta.row(2)));
   }
 }
 
 /// Whether it may be that of a body of some size [kg m²].
 template <class InertiaType>
-bool is_inertia(const InertiaType& moment) {
+bool is_inertia(const InertiaType& theta) {
   if constexpr (std::is_same_v<InertiaType, double>) {
-    return moment > 0 && is_finite(moment);
+    return theta > 0 && is_finite(theta);
   } else {
-    return moment.allFinite() && moment.isApprox(moment.transpose()) && moment(0, 0) > 0 &&
-           moment.template topLeftCorner<2, 2>().determinant() > 0 && moment.determinant() > 0;
+    return theta.allFinite() && theta.isApprox(theta.transpose()) && theta(0, 0) > 0 &&
+           theta.template topLeftCorner<2, 2>().determinant() > 0 && theta.determinant() > 0;
   }
 }
 

@@ -6,6 +6,7 @@
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/vtk.hpp>
+#include <silt/io/vtk_faces.hpp>
 
 #include <cstdint>
 #include <string>
@@ -32,20 +33,9 @@ template <class Walls, class Loads>
     forces.push_back(has_load ? loads[group - 1].force : Vec(Vec::Zero()));
     torques.push_back(has_load ? loads[group - 1].torque : zero_of<AngularVec<dimension>>());
   });
-  const Index faces = groups.size();
-  Buffer<std::int64_t> numbers(corners.size()), ends(faces);
-  for (Index k = 0; k < numbers.size(); ++k) numbers[k] = std::int64_t(k);
-  for (Index k = 0; k < faces; ++k) ends[k] = std::int64_t((k + 1) * dimension);
-  const Buffer<std::uint8_t> types(faces, dimension == 2 ? 3 : 5);  // VTK_LINE, VTK_TRIANGLE
-  const auto xml = [](std::string_view name, const auto& values) {
-    using Value = typename std::remove_cvref_t<decltype(values)>::value_type;
-    return detail::xml_of(detail::vtk_array<Value>(name, values));
-  };
-  return detail::vtk_file(corners.size(), faces, xml("position", corners),
-                          xml("connectivity", numbers) + xml("offsets", ends) + xml("types", types),
-                          "",
-                          "<CellData>\n" + xml("group", groups) + xml("velocity", velocities) +
-                              xml("force", forces) + xml("torque", torques) + "</CellData>\n");
+  return detail::vtk_frame_of_faces<dimension>(
+      corners, detail::vtk_xml("group", groups) + detail::vtk_xml("velocity", velocities) +
+                   detail::vtk_xml("force", forces) + detail::vtk_xml("torque", torques));
 }
 
 /// Observer that writes a frame of the walls of a flow at every output, as VtkSeries does of the

@@ -12,10 +12,13 @@
 #include <silt/core/types.hpp>
 #include <silt/dem/clump/clump_shape.hpp>
 #include <silt/dem/setup/grains.hpp>
+#include <silt/geometry/ball.hpp>
+#include <silt/geometry/face.hpp>
 #include <silt/geometry/free_rotation.hpp>
 #include <silt/geometry/mass_properties.hpp>
 #include <silt/geometry/orientation.hpp>
 #include <silt/geometry/rigid_body.hpp>
+#include <silt/geometry/shapes.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -196,6 +199,43 @@ class Clumps {
     const Matrix Q = motions_[k].orientation.matrix();
     for (const Sphere& sphere : spheres_of(body)) {
       f(index_of(grains, sphere, body), multiply(Q, sphere.offset));
+    }
+  }
+
+  /// f(face, k, state) for the faces of the surface of each clump k, in space [m]: those of its
+  /// spheres, 42 corners a sphere, without those that lie within another sphere of the clump. For
+  /// pictures.
+  template <class P, class F>
+  void for_each_face(const P& grains, F&& f) const {
+    const auto outlines = [] {
+      if constexpr (Dim == 2) {
+        return faces_of_disc(Vec<2>::Zero(), 1, 0.2);
+      } else {
+        return faces_of_sphere(Vec<3>::Zero(), 1, 0.7);
+      }
+    }();
+    std::vector<Ball<Dim>> balls;
+    for (Index k = 0; k < size(); ++k) {
+      const BodyState<Dim> now = state(k);
+      balls.clear();
+      for_each_sphere(grains, k, [&](Index i, const Vec<Dim>& r) {
+        balls.push_back({Vec<Dim>(now.position + r), double(grains[radius][i])});
+      });
+      for (std::size_t s = 0; s < balls.size(); ++s) {
+        const auto is_hidden = [&](const Face<Dim>& face) {
+          for (std::size_t other = 0; other < balls.size(); ++other) {
+            const auto is_in_other = [&](const Vec<Dim>& x) {
+              return other != s && (x - balls[other].centre).norm() < balls[other].radius;
+            };
+            if (std::all_of(face.corners.begin(), face.corners.end(), is_in_other)) return true;
+          }
+          return false;
+        };
+        for (Face<Dim> face : outlines) {
+          for (Vec<Dim>& x : face.corners) x = balls[s].centre + balls[s].radius * x;
+          if (!is_hidden(face)) f(face, k, now);
+        }
+      }
     }
   }
 
