@@ -279,6 +279,44 @@ TYPED_TEST(Clumps, AreRemovedWithTheirSpheres) {
   EXPECT_TRUE(refuses([&] { sim.step(1e-5); }, {"dem::Clumps: the sphere 0 of the clump 1"}));
 }
 
+// A row of spheres that keeps its motion is a wall that moves: a grain in a dent of it is carried,
+// and the load is their weight. Another one is pushed by a force.
+TYPED_TEST(Clumps, AreDriven) {
+  constexpr int Dim = TypeParam::value;
+  Bed<Dim> bed;
+  std::vector<Ball<Dim>> row;
+  for (int k = 0; k < 5; ++k) row.push_back({at<Dim>(2 * R * k, 0), R});
+  const dem::ClumpShape<Dim> bumps(row, density);
+  bed.clumps.add(bed.grains, bumps, {.position = at<Dim>(0, -0.1), .velocity = at<Dim>(0.05, 0)});
+  bed.clumps.add(bed.grains, bent<Dim>(), {.position = at<Dim>(1, 0)});
+  const Index grain =
+      dem::add_grain(bed.grains, at<Dim>(R, -0.1 + 1.75 * R), {.radius = R, .density = density});
+  const double weight = 9.81 * bed.grains[mass][grain];
+  const double M = bumps.mass_properties().mass, m = bent<Dim>().mass_properties().mass;
+  auto sim = simulation(std::move(bed));
+  sim.interaction().template part<0>().set_wall_present(0, false);
+  auto& clumps = sim.integrator().clumps();
+  clumps.set_drive(0, dem::ClumpDrive<Dim>::given_motion());
+  clumps.set_drive(1, {.force = at<Dim>(0.5 * m, 9.81 * m)});
+  dem::EnergyLedger ledger(sim);
+  const double dt = Dim == 2 ? 5e-5 : 2e-5;
+  sim.run({.until = 0.5, .time_step = dt}, ledger);
+  EXPECT_NEAR(clumps.state(0).position[0], 0.05 * sim.time(), 1e-12);
+  EXPECT_NEAR(clumps.state(0).position[1], -0.1, 1e-15);
+  EXPECT_NEAR(clumps.state(1).position[0], 1 + 0.0625, 1e-4);
+  EXPECT_NEAR(clumps.state(1).velocity[0], 0.25, 1e-4);
+  EXPECT_NEAR(sim.snapshot()[velocity][grain][0], 0.05, 1e-3);
+  EXPECT_NEAR(clumps.load(0).force[1] / (-weight - 9.81 * M), 1, 1e-3);
+  const auto energy_of = [](const dem::Energies& e) { return e.kinetic + e.rotational; };
+  EXPECT_NEAR(ledger.work().sum(),
+              energy_of(ledger.energies()) - energy_of(ledger.initial_energies()),
+              1e-9 * ledger.work().max_term());
+  EXPECT_GT(ledger.work().drives, 0);
+  clumps.set_velocity(0, at<Dim>(0, 0));
+  sim.run({.until = 0.55, .time_step = dt});
+  EXPECT_NEAR(clumps.state(0).position[0], 0.025, 2e-6);
+}
+
 // By scatter() and Inflow, from above into Outflow below.
 TYPED_TEST(Clumps, FlowInAndOut) {
   constexpr int Dim = TypeParam::value;

@@ -41,11 +41,29 @@ inline Eigen::Matrix<double, 3, 3> inverse_of(const Eigen::Matrix<double, 3, 3>&
   return inverse * scale;
 }
 
+/// The rotation at a constant spin [1/s] in dt [s]: in 3D by the Cayley transform, as below.
+inline FreeRotation<2> turn_with(const Orientation<2>& from, double rate, double dt) {
+  return {from.turned(rate * dt), rate};
+}
+[[gnu::always_inline]] inline FreeRotation<3> turn_with(const Orientation<3>& from,
+                                                        const Vec<3>& rate, double dt) {
+  // cay(Δt ω) is the unit quaternion along (1, Δt ω/2).
+  const Vec<3> v = dt / 2 * rate;
+  const double w0 = from.quaternion[0];
+  const Vec<3> v0 = from.quaternion.tail<3>();
+  const double w1 = w0 - v.dot(v0);
+  const Vec<3> v1 = v0 + w0 * v + cross(v, v0);
+  const double scale = 1 / std::sqrt(w1 * w1 + v1.squaredNorm());
+  FreeRotation<3> rotation{.end = {}, .spin = rate};
+  rotation.end.quaternion[0] = scale * w1;
+  for (int k = 0; k < 3; ++k) rotation.end.quaternion[k + 1] = scale * v1[k];
+  return rotation;
+}
+
 /// The rotation of a disc or a body in the plane with this angular momentum [kg m²/s] in dt [s].
 inline FreeRotation<2> rotate_freely(const Orientation<2>& from, const Eigen::Matrix<double, 2, 2>&,
                                      double momentum, double inverse_inertia, double dt) {
-  const double rate = momentum * inverse_inertia;
-  return {from.turned(rate * dt), rate};
+  return turn_with(from, momentum * inverse_inertia, dt);
 }
 
 namespace detail {
@@ -90,17 +108,7 @@ namespace detail {
     const Eigen::Matrix<double, 3, 3>& inverse_inertia, double dt) {
   const Vec<3> in_body = multiply(Eigen::Matrix<double, 3, 3>(Q.transpose()), momentum);
   const Vec<3> mean = detail::mean_momentum(in_body, inverse_inertia, dt);
-  FreeRotation<3> rotation{.end = {}, .spin = multiply(Q, multiply(inverse_inertia, mean))};
-  // cay(Δt ω) is the unit quaternion along (1, Δt ω/2).
-  const Vec<3> v = dt / 2 * rotation.spin;
-  const double w0 = from.quaternion[0];
-  const Vec<3> v0 = from.quaternion.tail<3>();
-  const double w1 = w0 - v.dot(v0);
-  const Vec<3> v1 = v0 + w0 * v + cross(v, v0);
-  const double scale = 1 / std::sqrt(w1 * w1 + v1.squaredNorm());
-  rotation.end.quaternion[0] = scale * w1;
-  for (int k = 0; k < 3; ++k) rotation.end.quaternion[k + 1] = scale * v1[k];
-  return rotation;
+  return turn_with(from, multiply(Q, multiply(inverse_inertia, mean)), dt);
 }
 
 /// The same from the orientation alone.

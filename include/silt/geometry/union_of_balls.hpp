@@ -162,7 +162,36 @@ inline Moments<3> moments_between(std::span<const Ball<3>> balls, double from, d
   return sum;
 }
 
-inline Moments<3> moments_of_union(std::span<const Ball<3>> balls) {
+/// The balls in groups that overlap, each with what it overlaps.
+inline std::vector<std::vector<Ball<3>>> connected(std::span<const Ball<3>> balls) {
+  std::vector<std::vector<Ball<3>>> groups;
+  std::vector<char> is_taken(balls.size(), 0);
+  for (std::size_t first = 0; first < balls.size(); ++first) {
+    if (is_taken[first]) continue;
+    is_taken[first] = 1;
+    groups.push_back({balls[first]});
+    for (std::size_t k = 0; k < groups.back().size(); ++k) {
+      const Ball<3> ball = groups.back()[k];
+      for (std::size_t j = first + 1; j < balls.size(); ++j) {
+        const double reach = ball.radius + balls[j].radius;
+        if (is_taken[j] || !((balls[j].centre - ball.centre).squaredNorm() < reach * reach))
+          continue;
+        is_taken[j] = 1;
+        groups.back().push_back(balls[j]);
+      }
+    }
+  }
+  return groups;
+}
+
+/// Of balls that overlap.
+inline Moments<3> moments_of_group(std::span<const Ball<3>> balls) {
+  if (balls.size() == 1) {
+    const auto& [centre, r] = balls[0];
+    const double volume = 4 * std::numbers::pi / 3 * r * r * r;
+    const Eigen::Matrix<double, 3, 3> own = Eigen::Matrix<double, 3, 3>::Identity() * (r * r / 5);
+    return {volume, volume * centre, volume * (own + centre * centre.transpose())};
+  }
   // Cuts are smooth between the ends of balls and of the circles in which two of them meet.
   std::vector<double> ends;
   for (const Ball<3>& ball : balls) {
@@ -192,6 +221,12 @@ inline Moments<3> moments_of_union(std::span<const Ball<3>> balls) {
       sum += moments_between(balls, ends[k - 1], ends[k], size);
     }
   }
+  return sum;
+}
+
+inline Moments<3> moments_of_union(std::span<const Ball<3>> balls) {
+  Moments<3> sum;
+  for (const std::vector<Ball<3>>& group : connected(balls)) sum += moments_of_group(group);
   return sum;
 }
 

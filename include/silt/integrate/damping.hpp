@@ -55,12 +55,12 @@ struct GlobalDamping {
   }
 };
 
-/// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28), from v^{N−½} and the acceleration at N.
+/// v^N = ½ (v^{N−½} + v^{N+½}) (27), (28), from v^{N−½} [m/s] and the acceleration at N [m/s²].
 template <class D, class Real>
 [[gnu::always_inline]] inline Real kicked_to_mean(const D& damping, Real v, Real a, Real dt) {
   return static_cast<Real>((damping.kicked(v, a, dt) + v) / 2);
 }
-/// v^{N−½} from v^N and the acceleration at N.
+/// v^{N−½} from v^N [m/s] and the acceleration at N [m/s²].
 template <class D, class Real>
 [[gnu::always_inline]] inline Real half_step_back(const D& damping, Real v, Real a, Real dt) {
   if constexpr (requires { damping.half_step_before(v, a, dt); }) {

@@ -29,7 +29,7 @@ class ClumpBlend {
 
   /// A clump to be put somewhere.
   struct Drawn {
-    Index shape = 0;
+    Index shape = 0;  ///< number of its shape
     Orientation<Dim> orientation = {};
     double radius = 0;  ///< of the bounding sphere [m]
   };
@@ -41,6 +41,7 @@ class ClumpBlend {
     for (const ClumpShape<Dim>& shape : shapes_) most = std::max(most, shape.bounding_radius());
     return most;
   }
+  /// A shape and an orientation [-].
   Drawn draw(Random& random) const {
     Drawn drawn{.shape = std::min(Index(random.uniform() * double(shapes_.size())),
                                   Index(shapes_.size() - 1))};

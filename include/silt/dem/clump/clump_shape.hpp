@@ -29,15 +29,24 @@ class ClumpShape {
   /// union, in which what belongs to several counts once. Throws if there are none, or if a
   /// number is not possible.
   ClumpShape(std::vector<Ball<Dim>> spheres, double density, Index clump_material = 0)
-      : ClumpShape(mass_properties_of<Dim>("dem::ClumpShape", spheres, density), spheres,
-                   clump_material) {}
+      : spheres_(std::move(spheres)),
+        mass_(of_union(density)),
+        volume_(mass_.mass / density),
+        material_(clump_material) {
+    divide();
+  }
 
   /// A body with this mass, centre of mass and moment of inertia. Throws if a number is not
   /// possible, or if no positive masses at the centres of the spheres have that mass and centre,
   /// and a smaller moment of inertia: then add a sphere, which may lie within others.
   ClumpShape(std::vector<Ball<Dim>> spheres, const MassProperties<Dim>& given,
              Index clump_material = 0)
-      : ClumpShape(given, spheres, clump_material) {}
+      : spheres_(std::move(spheres)),
+        mass_(given),
+        volume_(of_union(1).mass),
+        material_(clump_material) {
+    divide();
+  }
 
   /// The spheres, in the coordinates in which the shape was given.
   std::span<const Ball<Dim>> spheres() const noexcept { return spheres_; }
@@ -90,25 +99,16 @@ class ClumpShape {
   std::span<const detail::ShareOfClump> shares() const noexcept { return shares_; }
 
  private:
-  ClumpShape(const MassProperties<Dim>& given, const std::vector<Ball<Dim>>& spheres,
-             Index clump_material)
-      : spheres_(spheres), mass_(given), material_(clump_material) {
-    check();
-    volume_ = mass_properties_of<Dim>("dem::ClumpShape", spheres_, 1).mass;
-    shares_ = detail::shares_of_clump<Dim>(spheres_, mass_);
+  MassProperties<Dim> of_union(double density) const {
+    return mass_properties_of<Dim>("dem::ClumpShape", spheres_, density);
   }
-
-  void check() const {
-    if (spheres_.empty()) fail("dem::ClumpShape: there are no spheres; give at least one");
-    for (const Ball<Dim>& ball : spheres_) {
-      require_finite("dem::ClumpShape: centre of a sphere", ball.centre);
-      require_positive("dem::ClumpShape: radius of a sphere", ball.radius);
-    }
+  void divide() {
     require_valid("dem::ClumpShape", mass_);
     if (material_ > std::numeric_limits<std::uint32_t>::max()) {
       fail({"dem::ClumpShape: material = ", material_,
             " is not below 2^32; give an index in dem::Materials"});
     }
+    shares_ = detail::shares_of_clump<Dim>(spheres_, mass_);
   }
 
   std::vector<Ball<Dim>> spheres_;

@@ -10,6 +10,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/clump/clump_drive.hpp>
 #include <silt/dem/clump/clump_shape.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/geometry/ball.hpp>
@@ -110,6 +111,7 @@ class Clumps {
   using Sphere = detail::SphereOfClump<Dim>;
   using Constants = detail::ClumpConstants<Dim>;
   using Motion = detail::ClumpMotion<Dim>;
+  using Drive = detail::DriveOfClump<Dim>;
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
 
  public:
@@ -146,6 +148,7 @@ class Clumps {
       throw;
     }
     for (const Id id : added) grains[clump][grains.index_of(id)] = clump_constants.name;
+    if (!drives_.empty()) drives_.emplace_back();
     rows_revision_ = 0;
     return clump_constants.name;
   }
@@ -191,6 +194,39 @@ class Clumps {
   }
   /// Angular momentum about its centre of mass [kg m²/s].
   const AngularVec<Dim>& angular_momentum(Index k) const { return motions_[k].momentum; }
+  /// The clump with this name; `no_index` if it was removed.
+  Index find(Id of_clump) const {
+    const auto& all = constants_->clumps;
+    const auto at = std::find_if(all.begin(), all.end(),
+                                 [&](const Constants& each) { return each.name == of_clump; });
+    return at == all.end() ? no_index : Index(at - all.begin());
+  }
+
+  /// Drives a clump from the next step on. Throws if force or torque are not finite.
+  void set_drive(Index k, const ClumpDrive<Dim>& drive) {
+    drive.check();
+    drives_.resize(size());
+    drives_[k].drive = drive;
+    drives_[k].is_any = true;
+    drives_[k].spin = state(k).spin;
+  }
+  /// Changes the velocity [m/s] of a clump. Throws if it is not finite.
+  void set_velocity(Index k, const Vec<Dim>& v) {
+    require_finite("dem::Clumps: velocity", v);
+    motions_[k].velocity = v;
+  }
+  /// Changes the spin [1/s] of a clump. Throws if it is not finite.
+  void set_spin(Index k, const AngularVec<Dim>& w) {
+    require_finite("dem::Clumps: spin", w);
+    motions_[k].momentum = momentum_with(constants_->clumps[k], motions_[k].orientation, w);
+    if (!drives_.empty()) drives_[k].spin = w;
+  }
+  /// Whether set_drive() was called for it.
+  bool is_driven(Index k) const { return !drives_.empty() && drives_[k].is_any; }
+  /// Force [N] and torque [N m] on its spheres in the last step, without those of its drive; only
+  /// of a clump that is_driven().
+  BodyLoad<Dim> load(Index k) const { return is_driven(k) ? drives_[k].load : BodyLoad<Dim>{}; }
+
   /// f(i, r) for each of its spheres: the index in the grains, and the vector from the centre of
   /// mass [m]. Throws if one was removed.
   template <class P, class F>
@@ -290,15 +326,24 @@ class Clumps {
           sum_of_torques +=
               cross(multiply(Q, spheres[s].offset), of_sphere) + in_double(t[indices[s]]);
         }
+        Drive* const drive = is_driven(k) ? &drives_[k] : nullptr;
+        if (drive) {
+          drive->load = {.force = sum, .torque = sum_of_torques};
+          sum += drive->drive.force;
+          sum_of_torques += drive->drive.torque;
+        }
         for (int d = 0; d < Dim; ++d) {
+          if (drive && drive->drive.keeps_velocity[std::size_t(d)]) continue;
           motion.velocity[d] = change(motion.velocity[d], sum[d] / body.mass);
         }
-        for (int d = 0; d < angular_size<Dim>; ++d) {
+        const bool keeps_spin = drive && drive->drive.keeps_spin;
+        for (int d = 0; d < angular_size<Dim> && !keeps_spin; ++d) {
           double& momentum = component(motion.momentum, d);
           momentum = change(momentum, component(sum_of_torques, d));
         }
         const FreeRotation<Dim> rotation =
-            rotate_freely(motion.orientation, Q, motion.momentum, body.inverse, dt);
+            keeps_spin ? turn_with(motion.orientation, drive->spin, dt)
+                       : rotate_freely(motion.orientation, Q, motion.momentum, body.inverse, dt);
         check_turn(body, rotation.spin, dt);
         const Matrix after = rotation.end.matrix();
         const Vec<Dim> moved = motion.position + dt * motion.velocity;
@@ -312,6 +357,7 @@ class Clumps {
         if (!drift) continue;
         motion.position = box.wrap(moved);
         motion.orientation = rotation.end;
+        if (keeps_spin) motion.momentum = momentum_with(body, rotation.end, drive->spin);
       }
     });
   }
@@ -324,6 +370,7 @@ class Clumps {
       archive("clumps", all->clumps);
       archive("spheres", all->spheres);
       archive("motions", motions_);
+      archive("drives", drives_);
     });
     if constexpr (Archive::reads) {
       check(*all);
@@ -373,7 +420,8 @@ class Clumps {
   // What was read must fit.
   void check(const AllConstants& all) const {
     std::uint64_t next = 0;
-    bool fits = motions_.size() == all.clumps.size();
+    bool fits = motions_.size() == all.clumps.size() &&
+                (drives_.empty() || drives_.size() == motions_.size());
     for (const Constants& body : all.clumps) {
       fits = fits && body.first == next && body.spheres > 0 &&
              body.spheres <= all.spheres.size() - next && body.mass > 0 && is_inertia(body.inertia);
@@ -392,15 +440,18 @@ class Clumps {
   }
   static Motion motion_of(const Constants& body, const ClumpPlacement<Dim>& at) {
     Motion motion{.position = at.position, .orientation = at.orientation, .velocity = at.velocity};
-    if constexpr (Dim == 2) {
-      motion.momentum = body.inertia * at.spin;
-    } else {
-      motion.orientation.quaternion.normalize();
-      const Eigen::Matrix<double, 3, 3> Q = motion.orientation.matrix();
-      const Vec<3> spin_in_body = multiply(Eigen::Matrix<double, 3, 3>(Q.transpose()), at.spin);
-      motion.momentum = multiply(Q, multiply(body.inertia, spin_in_body));
-    }
+    if constexpr (Dim == 3) motion.orientation.quaternion.normalize();
+    motion.momentum = momentum_with(body, motion.orientation, at.spin);
     return motion;
+  }
+  static AngularVec<Dim> momentum_with(const Constants& body, const Orientation<Dim>& orientation,
+                                       const AngularVec<Dim>& w) {
+    if constexpr (Dim == 2) {
+      return body.inertia * w;
+    } else {
+      const Matrix Q = orientation.matrix();
+      return multiply(Q, multiply(body.inertia, multiply(Matrix(Q.transpose()), w)));
+    }
   }
   template <class P>
   static Id add_sphere(P& grains, const ClumpShape<Dim>& shape, std::size_t s,
@@ -448,6 +499,7 @@ class Clumps {
   void keep_if(Kept&& kept) {
     auto all = std::make_shared<AllConstants>();
     std::vector<Motion> motions;
+    std::vector<Drive> drives;
     for (Index k = 0; k < size(); ++k) {
       if (!kept(k)) continue;
       Constants body = constants_->clumps[k];
@@ -456,9 +508,11 @@ class Clumps {
       all->spheres.insert(all->spheres.end(), spheres.begin(), spheres.end());
       all->clumps.push_back(body);
       motions.push_back(motions_[k]);
+      if (!drives_.empty()) drives.push_back(drives_[k]);
     }
     constants_ = std::move(all);
     motions_ = std::move(motions);
+    drives_ = std::move(drives);
     rows_revision_ = 0;
   }
 
@@ -498,6 +552,7 @@ class Clumps {
   // A simulation has copies of its integrator, which share what does not change.
   std::shared_ptr<AllConstants> constants_ = std::make_shared<AllConstants>();
   std::vector<Motion> motions_;
+  std::vector<Drive> drives_;   // empty as long as none is driven
   std::vector<Index> indices_;  // of the spheres, in grains with this rows_revision()
   std::uint64_t rows_revision_ = 0;
 };

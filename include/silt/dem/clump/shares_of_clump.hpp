@@ -92,11 +92,9 @@ std::vector<ShareOfClump> shares_of_clump(std::span<const Ball<Dim>> spheres,
                                           const MassProperties<Dim>& clump) {
   std::vector<Vec<Dim>> r;
   double size = 0;
-  double largest_squared = 0;
   for (const Ball<Dim>& ball : spheres) {
     r.push_back(ball.centre - clump.centre);
     size = std::max({size, r.back().norm(), ball.radius});
-    largest_squared = std::max(largest_squared, ball.radius * ball.radius);
   }
   const auto shares_for = [&](double b) {
     std::vector<double> weights;
@@ -108,8 +106,10 @@ std::vector<ShareOfClump> shares_of_clump(std::span<const Ball<Dim>> spheres,
   };
   std::vector<ShareOfClump> best;
   double rest = 0;
-  // A tenth of a solid sphere's is enough, and not far from what most have.
-  for (double b = 0; b < 100 && !(rest > 0.04 * clump.mass * largest_squared); b = 2 * b + 0.25) {
+  // The lightest sphere limits the time step, so that b should be small; with a quarter of the
+  // least moment of inertia, rotation limits it no more than that.
+  const double enough = least_of(clump.inertia) / 4;
+  for (double b = 0; b < 1000 && !(rest > enough); b = 1.2 * b + 0.05) {
     std::vector<ShareOfClump> shares;
     for (const double share : shares_for(b)) shares.push_back({.mass = clump.mass * share});
     if (shares.empty()) break;

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <concepts>
 #include <initializer_list>
+#include <utility>
 #include <vector>
 
 namespace silt::dem {
@@ -42,6 +43,7 @@ struct Work {
   double gravity = 0;
   double damping = 0;         ///< by the global damping of the integrator
   double removed_grains = 0;  ///< by grains removed in the step, on the remaining ones
+  double drives = 0;          ///< by what drives clumps, and damps those, see ClumpDrive
   double other = 0;           ///< by forces unknown to the ledger
 
   /// By all springs of contacts, adhesion included [J].
@@ -69,7 +71,8 @@ struct Work {
     for (double Work::* const term :
          {&Work::normal_spring, &Work::tangential_spring, &Work::rolling_spring, &Work::adhesion,
           &Work::normal_dashpot, &Work::tangential_dashpot, &Work::rolling_dashpot, &Work::contact,
-          &Work::walls, &Work::gravity, &Work::damping, &Work::removed_grains, &Work::other}) {
+          &Work::walls, &Work::gravity, &Work::damping, &Work::removed_grains, &Work::drives,
+          &Work::other}) {
       f(term);
     }
   }
@@ -150,6 +153,7 @@ class MeanMotion {
   void set_clumps(const P& grains, const Clumps& before, const Clumps& after) {
     Index next = 0;
     clumps_.clear();
+    driven_.clear();
     for (Index k = 0; k < before.size(); ++k) {
       const auto was = before.state(k);
       // The clumps that remain are in the same order.
@@ -162,11 +166,22 @@ class MeanMotion {
       const Vector v = after.state(next).velocity - was.velocity;
       const Turn momentum = after.angular_momentum(next) - before.angular_momentum(k);
       const Vector mean_v = was.velocity + v / 2;
-      const Turn mean_w = before.spin_with(k, Turn(before.angular_momentum(k) + momentum / 2));
-      kinetic_change_ += before.mass_of(k) * v.dot(mean_v);
-      rotational_change_ += dot(momentum, mean_w);
-      clumps_.push_back(
-          {before.mass_of(k), mean_v, mean_w, Turn(before.angular_momentum(k) + momentum / 2)});
+      Turn mean_w = before.spin_with(k, Turn(before.angular_momentum(k) + momentum / 2));
+      const double kinetic = before.mass_of(k) * v.dot(mean_v);
+      double rotational = dot(momentum, mean_w);
+      if (after.is_driven(next)) {  // it may keep its spin
+        const auto now = after.state(next);
+        mean_w = (was.spin + now.spin) / 2;
+        rotational = (dot(after.angular_momentum(next), now.spin) -
+                      dot(before.angular_momentum(k), was.spin)) /
+                     2;
+        driven_.push_back({k, kinetic + rotational});
+      } else {
+        clumps_.push_back(
+            {before.mass_of(k), mean_v, mean_w, Turn(before.angular_momentum(k) + momentum / 2)});
+      }
+      kinetic_change_ += kinetic;
+      rotational_change_ += rotational;
       before.for_each_sphere(grains, k, [&](Index i, const Vector& r) {
         v_[i] = mean_v + cross(mean_w, r);
         w_[i] = mean_w;
@@ -193,6 +208,11 @@ class MeanMotion {
     return power;
   }
 
+  /// f(k, change of its energy [J]) for each of the clumps before the step that is driven.
+  template <class F>
+  void for_each_driven(F&& f) const {
+    for (const auto& [k, change] : driven_) f(k, change);
+  }
   double duration() const noexcept { return duration_; }
   bool stays(Index i) const noexcept { return stays_[i]; }
   const Vector& velocity_of(Index i) const noexcept { return v_[i]; }
@@ -283,6 +303,7 @@ class MeanMotion {
   std::vector<Turn> w_;
   std::vector<char> stays_;
   std::vector<Clump> clumps_;
+  std::vector<std::pair<Index, double>> driven_;
 };
 
 }  // namespace detail

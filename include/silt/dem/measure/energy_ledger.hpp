@@ -190,6 +190,7 @@ class EnergyLedger {
     Entries stored;
     const bool knows_all = add_work(simulation.interaction(), lost, stored);
     if (!knows_all) add_other(after);
+    if constexpr (has_clumps) add_drives(after);
     add_damping(simulation.integrator().damping());
     update_balance(last, lost, std::move(stored));
     time_ = before_time_;
@@ -237,6 +238,19 @@ class EnergyLedger {
              dot(in_double(after[torque][k]), motion_.spin_of(i));
     }
     step_.other = all * motion_.duration() - step_.sum();
+  }
+
+  // What changes the energy of driven clumps beside the forces on their spheres.
+  void add_drives(const P& after) {
+    motion_.for_each_driven([&](Index k, double change) {
+      double power = 0;
+      clumps_.for_each_sphere(before_, k, [&](Index i, const auto&) {
+        const Index now = after.index_of(before_.id(i));
+        power += in_double(after[force][now]).dot(motion_.velocity_of(i)) +
+                 dot(in_double(after[torque][now]), motion_.spin_of(i));
+      });
+      step_.drives += change - power * motion_.duration();
+    });
   }
 
   template <class D>

@@ -20,14 +20,11 @@ inline constexpr struct material_t : field_of<std::uint32_t>, constant_field {
 template <int Dim>
 class Clumps;  // dem/clump/clumps.hpp
 
-/// Of a sphere of a clump, see dem/clump/clumps.hpp: 1 + the id of its first sphere [-]; 0 of a
-/// grain that belongs to none.
 inline constexpr struct clump_t : field_of<Id>, constant_field {
-} clump{};
-/// Mass of the clump to which a sphere belongs, which resists its contacts [kg]; of a grain that
-/// belongs to none, its own. `mass` is the sphere's share of it.
+} clump{};  ///< of a sphere of a clump, 1 + the id of its first sphere; 0 of a grain of none [-]
+// `mass` is the sphere's share of it, see dem/clump/clumps.hpp.
 inline constexpr struct clump_mass_t : scalar_field, constant_field {
-} clump_mass{};
+} clump_mass{};  ///< of the clump, resists contacts [kg]; of a grain that belongs to none, its own
 
 namespace detail {
 // The contacts read position, radius, velocity, mass and spin of single grains: they are stored
