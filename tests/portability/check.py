@@ -56,7 +56,7 @@ NEEDED = {
 }
 # Headers that need files, which wasm32 does not have, and headers of optional packages.
 FOR_FILES = {"archive", "black_box", "checkpoint", "checkpoints", "csv", "csv_series", "file", "particle_csv",
-             "replace_file", "stl", "vtk", "vtk_clumps", "vtk_faces", "vtk_walls"}
+             "replace_file", "stl", "vtk", "vtk_cells", "vtk_clumps", "vtk_contacts", "vtk_walls"}
 OPTIONAL = re.compile("mpi.*|solve/hypre.*")
 
 

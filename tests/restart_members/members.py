@@ -85,6 +85,7 @@ NOT_STORED = {
     "Clumps": all_of(ANEW, "indices_"),
     "MeanMotion": {**all_of(ANEW, "clumps_ driven_ duration_ v_ w_ stays_"),
                    "carried_away_": "EnergyLedger::added_since_ has it at the end of a step"},
+    "WallWear": all_of(GIVEN, "settings_"),
     "WallSet": {**all_of(GIVEN, "walls_ first_ materials_"), "revision_": NUMBER},
     "Inflow": {**all_of(GIVEN, "region_ blend_ settings_"), "near_": ANEW},
     "Outflow": all_of(GIVEN, "region_ settings_"),

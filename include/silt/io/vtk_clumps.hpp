@@ -5,7 +5,7 @@
 #include <silt/core/buffer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/vtk.hpp>
-#include <silt/io/vtk_faces.hpp>
+#include <silt/io/vtk_cells.hpp>
 
 #include <string>
 
@@ -36,9 +36,10 @@ template <class P, class Clumps>
   });
   const std::string orientation = dimension == 2 ? detail::vtk_xml("orientation", angles)
                                                  : detail::vtk_xml("orientation", quaternions);
-  return detail::vtk_frame_of_faces<dimension>(
-      corners, detail::vtk_xml("clump", names) + orientation +
-                   detail::vtk_xml("velocity", velocities) + detail::vtk_xml("spin", spins));
+  return detail::vtk_frame_of_cells<dimension>(corners, dimension,
+                                               detail::vtk_xml("clump", names) + orientation +
+                                                   detail::vtk_xml("velocity", velocities) +
+                                                   detail::vtk_xml("spin", spins));
 }
 
 /// Observer that writes a frame of the surfaces of all clumps at every output, as VtkSeries does of

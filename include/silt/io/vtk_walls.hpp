@@ -6,7 +6,7 @@
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/vtk.hpp>
-#include <silt/io/vtk_faces.hpp>
+#include <silt/io/vtk_cells.hpp>
 
 #include <cstdint>
 #include <string>
@@ -33,9 +33,10 @@ template <class Walls, class Loads>
     forces.push_back(has_load ? loads[group - 1].force : Vec(Vec::Zero()));
     torques.push_back(has_load ? loads[group - 1].torque : zero_of<AngularVec<dimension>>());
   });
-  return detail::vtk_frame_of_faces<dimension>(
-      corners, detail::vtk_xml("group", groups) + detail::vtk_xml("velocity", velocities) +
-                   detail::vtk_xml("force", forces) + detail::vtk_xml("torque", torques));
+  return detail::vtk_frame_of_cells<dimension>(
+      corners, dimension,
+      detail::vtk_xml("group", groups) + detail::vtk_xml("velocity", velocities) +
+          detail::vtk_xml("force", forces) + detail::vtk_xml("torque", torques));
 }
 
 /// Observer that writes a frame of the walls of a flow at every output, as VtkSeries does of the

@@ -19,18 +19,18 @@ std::string vtk_xml(std::string_view name, const Values& values) {
   return xml_of(vtk_array<typename Values::value_type>(name, values));
 }
 
-/// One frame, as the bytes of a .vtu file, of faces with these corners [m], each of as many as
-/// there are dimensions; `data` are the XML elements of what belongs to each face.
+/// One frame, as the bytes of a .vtu file, of lines or triangles with these corners [m], two or
+/// three of each; `data` are the XML elements of what belongs to each.
 template <int Dim>
-[[gnu::cold]] std::string vtk_frame_of_faces(const Buffer<Vec<Dim>>& corners,
+[[gnu::cold]] std::string vtk_frame_of_cells(const Buffer<Vec<Dim>>& corners, Index corners_of_each,
                                              const std::string& data) {
-  const Index faces = corners.size() / Dim;
-  Buffer<std::int64_t> numbers(corners.size()), ends(faces);
+  const Index cells = corners.size() / corners_of_each;
+  Buffer<std::int64_t> numbers(corners.size()), ends(cells);
   for (Index k = 0; k < numbers.size(); ++k) numbers[k] = std::int64_t(k);
-  for (Index k = 0; k < faces; ++k) ends[k] = std::int64_t((k + 1) * Dim);
-  const Buffer<std::uint8_t> types(faces, Dim == 2 ? 3 : 5);  // VTK_LINE, VTK_TRIANGLE
+  for (Index k = 0; k < cells; ++k) ends[k] = std::int64_t((k + 1) * corners_of_each);
+  const Buffer<std::uint8_t> types(cells, corners_of_each == 2 ? 3 : 5);  // VTK_LINE, VTK_TRIANGLE
   return vtk_file(
-      corners.size(), faces, vtk_xml("position", corners),
+      corners.size(), cells, vtk_xml("position", corners),
       vtk_xml("connectivity", numbers) + vtk_xml("offsets", ends) + vtk_xml("types", types), "",
       "<CellData>\n" + data + "</CellData>\n");
 }
