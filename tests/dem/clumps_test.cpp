@@ -355,6 +355,35 @@ TYPED_TEST(Clumps, FlowInAndOut) {
   EXPECT_EQ(sim.integrator().clumps().size(), 0u);
 }
 
+// In any direction and anywhere: in lines and planes, of different spheres, with a heavy core.
+TEST(ClumpShape, DoesNotDependOnItsDirectionAndPlace) {
+  const std::vector<std::vector<Ball<3>>> shapes{
+      {{{0, 0, 0}, R}, {{1.5 * R, 0, 0}, 0.7 * R}},
+      {{{0, 0, 0}, R}, {{1.5 * R, 0, 0}, 0.7 * R}, {{-R, 0, 0}, 0.8 * R}},
+      {{{0, 0, 0}, R}, {{R, 0, 0}, R}, {{2 * R, 0, 0}, R}, {{3 * R, 0, 0}, R}, {{4 * R, 0, 0}, R}},
+      {{{0, 0, 0}, R}, {{R, 0, 0}, 0.7 * R}, {{0, 1.2 * R, 0}, 0.6 * R}},
+      {{{0, 0, 0}, R}, {{R, 0, 0}, 0.2 * R}, {{0, R, 0}, 0.2 * R}, {{0, -R, R}, 0.2 * R}}};
+  Random random{.seed = 5};
+  for (const auto& balls : shapes) {
+    const dem::ClumpShape<3> given(balls, density);
+    for (int k = 0; k < 20; ++k) {
+      const Vec<3> axis = Vec<3>(random.normal(), random.normal(), random.normal()).normalized();
+      const auto turn = rotation_about(axis, random.uniform({0, 6}));
+      const Vec<3> shift = 10 * Vec<3>(random.normal(), random.normal(), random.normal());
+      auto moved = balls;
+      for (Ball<3>& ball : moved) ball.centre = turn * ball.centre + shift;
+      const dem::ClumpShape<3> other(moved, density);
+      for (std::size_t s = 0; s < balls.size(); ++s) {
+        ASSERT_NEAR(other.shares()[s].mass / given.shares()[s].mass, 1, 1e-6);
+        ASSERT_NEAR(other.shares()[s].inertia / given.shares()[s].inertia, 1, 1e-6);
+      }
+    }
+  }
+  const dem::ClumpShape<3> heavy({{{-2 * R, 0, 0}, R}, {{2 * R, 0, 0}, R}, {{0, 0, 0}, R / 2}},
+                                 {.mass = 1, .inertia = Inertia<3>::Identity() * R * R / 100});
+  EXPECT_GT(heavy.shares()[0].mass, 1e-4);
+}
+
 // Ten wrong inputs.
 TEST(ClumpsRefuse, WhatIsNoClump) {
   using Shape = dem::ClumpShape<3>;
@@ -383,7 +412,35 @@ TEST(ClumpsRefuse, WhatIsNoClump) {
   EXPECT_EQ(grains.size(), 0u);
   clumps.add(grains, Shape({{{0, 0, 0}, R}, {{R, 0, 0}, R}}, 1000), {.spin = {0, 0, 3}});
   Simulation sim{grains, UniformGrid<3>{}, Gravity<3>{{0, 0, 0}}, dem::ClumpLeapfrog{clumps}};
-  EXPECT_TRUE(refuses([&] { sim.step(1); }, {"the clump 1 turns by", "lower the time step"}));
+  EXPECT_TRUE(refuses([&] { sim.step(1); }, {"the clump 1 turns by", "in a step of 1 s"}));
+  // Not those of the integrator.
+  clumps.add(sim.particles(), sphere, {.position = {1, 0, 0}});
+  EXPECT_TRUE(
+      refuses([&] { sim.step(1e-3); }, {"belongs to the clump 3", "integrator().clumps()"}));
+  EXPECT_TRUE(refuses(
+      [&] {
+        Simulation none{grains, UniformGrid<3>{}, Gravity<3>{{0, 0, 0}},
+                        dem::ClumpLeapfrog{dem::Clumps<3>{}}};
+        none.step(1e-3);
+      },
+      {"belongs to the clump 1"}));
+  auto escaping = grains;
+  Box<3> box{.lower = {-1, -1, -1}, .upper = {1, 1, 1}, .on_escape = OnEscape::remove};
+  escaping.set_box(box);
+  Simulation losing{escaping, UniformGrid<3>{}, Gravity<3>{{0, 0, 0}}, dem::ClumpLeapfrog{clumps}};
+  EXPECT_TRUE(refuses([&] { losing.step(1e-3); }, {"OnEscape::remove"}));
+  box.periodic = {true, true, true};
+  box.upper = {-0.95, 1, 1};
+  dem::ClumpGrains<3> narrow(box);
+  dem::Clumps<3> long_ones;
+  EXPECT_TRUE(
+      refuses([&] { long_ones.add(narrow, Shape({{{0, 0, 0}, R}, {{2 * R, 0, 0}, R}}, 1), {}); },
+              {"longer than half of the period"}));
+  dem::ClumpGrains<3> massless;
+  massless.add(Vec<3>(0, 0, 0), Initial{radius, R}, Initial{mass, 1.0}, Initial{inertia, 1e-5});
+  Simulation odd{massless, UniformGrid<3>{}, dem::Contacts{law},
+                 dem::ClumpLeapfrog{dem::Clumps<3>{}}};
+  EXPECT_TRUE(refuses([&] { odd.step(1e-6); }, {"dem::Contacts: clump_mass of a grain"}));
 }
 
 }  // namespace

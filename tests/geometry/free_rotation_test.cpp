@@ -143,5 +143,24 @@ TEST(FreeRotation, FlipsAtThePeriodOfEulersSolution) {
   EXPECT_EQ(crossings, 6);
 }
 
+// Thin needles with axes oblique to the frame: the equation is stiff.
+TEST(FreeRotation, IsSolvedForNeedles) {
+  const auto tilt = rotation_about(Vec<3>(Vec<3>(1, 2, -1).normalized()), 0.7);
+  for (const double ratio : {10.0, 1e2, 1e3, 1e4}) {
+    const Vec<3> axes{1, ratio, ratio};
+    const Inertia<3> needle = tilt * Inertia<3>(axes.asDiagonal()) * tilt.transpose();
+    const Inertia<3> inverse_of_needle = inverse_of(needle);
+    for (int k = 0; k < 200; ++k) {
+      const Vec<3> w = Vec<3>(std::sin(k), std::cos(2.0 * k), std::sin(3.0 * k + 1)).normalized();
+      const Vec<3> M = needle * w;
+      const FreeRotation<3> step = rotate_freely(Orientation<3>{}, M, inverse_of_needle, 0.3);
+      const Vec<3> before = M, after = step.end.matrix().transpose() * M;
+      EXPECT_NEAR(after.dot(inverse_of_needle * after) / before.dot(inverse_of_needle * before), 1,
+                  1e-9 * ratio)
+          << ratio << " " << k;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace silt::test::free_rotation_test

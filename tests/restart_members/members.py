@@ -82,7 +82,7 @@ NOT_STORED = {
                      "constants": "those of the grains: a list of others is not stored"},
     "Histories": {"numbers_": "ContactsOf::history() has them", "touching_": "ContactsOf::history() has them"},
     "ClumpLeapfrog": {"damping_": GIVEN},
-    "Clumps": all_of(ANEW, "indices_"),
+    "Clumps": all_of(ANEW, "grains_ indices_"),
     "MeanMotion": {**all_of(ANEW, "clumps_ driven_ duration_ v_ w_ stays_"),
                    "carried_away_": "EnergyLedger::added_since_ has it at the end of a step"},
     "WallWear": all_of(GIVEN, "settings_"),

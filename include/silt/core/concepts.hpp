@@ -251,6 +251,11 @@ concept PressureInteraction =
       i.correct(p, dt);
     };
 
+/// Whether some of the particles P move as parts of rigid bodies, by an integrator of their own:
+/// grains with clumps. Leapfrog does not compile with them.
+template <class P>
+inline constexpr bool move_in_bodies = false;
+
 /// Whether F is one of the Fs.
 template <class F, class... Fs>
 inline constexpr bool one_of = (std::same_as<F, Fs> || ...);

@@ -83,19 +83,31 @@ namespace detail {
 /// m̄ of a body with the angular momentum m, both in its frame.
 [[gnu::always_inline]] inline Vec<3> mean_momentum(
     const Vec<3>& m, const Eigen::Matrix<double, 3, 3>& inverse_inertia, double dt) {
-  const double enough = 4 * std::numeric_limits<double>::epsilon() * max_norm(m);
+  constexpr double round_off = 4 * std::numeric_limits<double>::epsilon();
+  const double size = max_norm(m);
+  const double stiffest = inverse_inertia.cwiseAbs().maxCoeff();
+  const double enough = round_off * size * (1 + std::abs(dt) * stiffest * size);
   Vec<3> mean = m;
-  constexpr int simple = 8, most = 30;
+  bool is_simple = true;
+  double last = std::numeric_limits<double>::infinity();
+  constexpr int most = 50;
   for (int iterations = 0;; ++iterations) {
     const Vec<3> rate = multiply(inverse_inertia, mean);
     const Vec<3> f = mean - m - dt / 2 * cross(mean, rate);
-    if (!(max_norm(f) > enough)) return mean;  // nor if it is not a number, which the step finds
+    const double rest = max_norm(f);
+    if (!(rest > enough)) return mean;  // nor if it is not a number, which the step finds
     if (iterations == most) {
-      fail({"a body turns by ", rate.norm() * dt, " rad in a step of ", dt,
+      fail({"a body turns by ", rate.norm() * std::abs(dt), " rad in a step of ", std::abs(dt),
             " s; lower the time step"});
     }
-    // Nearly all steps are short.
-    mean -= iterations < simple ? f : newton_step(f, mean, rate, inverse_inertia, dt);
+    // Nearly all steps are short, so that this converges by some digits at once.
+    if (is_simple && rest > last / 4) {
+      is_simple = false;
+      mean = m;
+      continue;
+    }
+    last = rest;
+    mean -= is_simple ? f : newton_step(f, mean, rate, inverse_inertia, dt);
   }
 }
 }  // namespace detail

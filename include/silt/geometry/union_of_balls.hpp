@@ -75,9 +75,9 @@ inline std::vector<std::array<double, 2>> free_arcs(std::span<const Ball<2>> dis
     const double d = to.norm();
     const double s = discs[j].radius;
     if (d >= r + s) continue;
-    const bool are_equal = d == 0 && r == s;  // then the first one counts
-    if (are_equal ? j < i : s >= d + r) return {};
-    if (are_equal || r >= d + s) continue;
+    const bool is_within = s >= d + r, contains = r >= d + s;
+    if (is_within && (!contains || j < i)) return {};  // of equal ones the first counts
+    if (contains) continue;
     const double cosine = std::clamp((d * d + r * r - s * s) / (2 * d * r), -1.0, 1.0);
     const double half = std::acos(cosine);
     double from = std::atan2(to.y(), to.x()) - half;

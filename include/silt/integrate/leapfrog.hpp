@@ -73,6 +73,9 @@ class Leapfrog {
   template <class P, class S, class I>
     requires Interaction<I, P, S> && HasFields<P, velocity_t, force_t, mass_t>
   bool step(P& particles, S& search, I& interaction, double dt) {
+    static_assert(!move_in_bodies<P>,
+                  "silt::Leapfrog: some of these grains are spheres of clumps; use "
+                  "dem::ClumpLeapfrog");
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
     set_last_time_step(interaction, started_ ? last_time_step_ : 0);
     const bool is_first = !started_;

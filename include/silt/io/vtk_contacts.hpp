@@ -3,12 +3,14 @@
 #pragma once
 
 #include <silt/core/buffer.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/io/vtk.hpp>
 #include <silt/io/vtk_cells.hpp>
 
 #include <cstdint>
 #include <string>
+#include <type_traits>
 
 namespace silt {
 
@@ -66,6 +68,8 @@ class VtkContacts : public VtkSeries {
       simulation.time();
     }
   [[gnu::cold]] void operator()(const Sim& simulation) {
+    static_assert(detail::are_of_one_process<std::remove_cvref_t<decltype(simulation.particles())>>,
+                  "silt::VtkContacts: it knows the contacts of one process only");
     this->write(double(simulation.time()), simulation.was_read(), Process{},
                 vtk_frame_of_contacts(simulation.particles(), simulation.interaction()));
   }

@@ -17,7 +17,7 @@
 
 namespace silt::dem {
 
-/// Clumps of these shapes, equally many of each, in orientations that are all equally likely. Each
+/// Clumps of these shapes, in orientations, all equally likely. Each
 /// is put where its bounding sphere touches nothing.
 template <int Dim>
 class ClumpBlend {
@@ -34,6 +34,7 @@ class ClumpBlend {
     double radius = 0;  ///< of the bounding sphere [m]
   };
 
+  /// Throws nothing: shapes were checked when they were made.
   void check() const {}
   /// Radius of the largest bounding sphere [m].
   double largest() const {

@@ -2,7 +2,9 @@
 // The leapfrog for grains of which some are spheres of clumps.
 #pragma once
 
+#include <silt/core/box.hpp>
 #include <silt/core/concepts.hpp>
+#include <silt/core/error.hpp>
 #include <silt/core/parallel.hpp>
 #include <silt/core/particles.hpp>
 #include <silt/core/shared_particles.hpp>
@@ -11,6 +13,7 @@
 #include <silt/dem/clump/motion_of_grains.hpp>
 #include <silt/dem/setup/grains.hpp>
 #include <silt/integrate/damping.hpp>
+#include <silt/integrate/leapfrog.hpp>
 #include <silt/integrate/leapfrog_operations.hpp>
 
 #include <utility>
@@ -53,6 +56,12 @@ class ClumpLeapfrog {
                   "silt::dem::ClumpLeapfrog: a clump moves within one process; use particles that "
                   "processes do not share");
     if constexpr (requires { damping_.check(dt); }) damping_.check(dt);
+    if (grains.box().on_escape == OnEscape::remove) {
+      fail(
+          "dem::ClumpLeapfrog: the box has OnEscape::remove, which takes grains one by one, also "
+          "spheres of "
+          "clumps; use OnEscape::refuse and a dem::Outflow");
+    }
     set_last_time_step(interaction, started_ ? last_time_step_ : 0);
     if (!started_) start(grains, search, interaction, dt);
     // The time between the half steps; dt if the time step is constant.
@@ -99,6 +108,7 @@ class ClumpLeapfrog {
   // v^0 → v^{−½}, so that v^0 is the mean of its two half steps.
   template <class P, class S, class I>
   [[gnu::cold]] void start(P& grains, S& search, I& interaction, double dt) {
+    silt::detail::check_inertia(std::as_const(grains));
     last_time_step_ = dt;
     started_ = true;
     I trial = interaction;  // a copy: the contact histories must not advance

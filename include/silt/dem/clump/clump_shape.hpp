@@ -109,6 +109,12 @@ class ClumpShape {
             " is not below 2^32; give an index in dem::Materials"});
     }
     shares_ = detail::shares_of_clump<Dim>(spheres_, mass_);
+    // Of the shares exactly; otherwise by round-off of the integrals.
+    Vec<Dim> centre = Vec<Dim>::Zero();
+    for (std::size_t s = 0; s < shares_.size(); ++s) {
+      centre += shares_[s].mass / mass_.mass * (spheres_[s].centre - mass_.centre);
+    }
+    mass_.centre += centre;
   }
 
   std::vector<Ball<Dim>> spheres_;

@@ -105,7 +105,9 @@ struct ClumpMotion {
 
 }  // namespace detail
 
-/// A number of clumps, and which grains are their spheres.
+/// A number of clumps, and which grains are their spheres. A ClumpLeapfrog has a copy: during a
+/// run, add clumps to that of the integrator. What the program writes to position, velocity or spin
+/// of a sphere of a clump has no effect: use set_velocity() and set_spin().
 template <int Dim>
 class Clumps {
   using Sphere = detail::SphereOfClump<Dim>;
@@ -122,6 +124,7 @@ class Clumps {
     requires HasFields<P, clump_t, clump_mass_t> && (P::dimension == Dim)
   Id add(P& grains, const ClumpShape<Dim>& shape, const ClumpPlacement<Dim>& at) {
     check(at);
+    check_fits(grains.box(), shape);
     const auto& given = shape.mass_properties();
     Constants clump_constants{.first = constants_->spheres.size(),
                               .spheres = shape.spheres().size(),
@@ -312,7 +315,14 @@ class Clumps {
     const Box<Dim> box = box_in_double(grains.box());
     for_each_range(size(), [&](Index begin, Index end) {
       auto put = make_put();
+      const auto fetch = [&](Index k) {
+        const Constants& body = constants_->clumps[k];
+        for (Index s = 0; s < body.spheres; ++s) put.fetch(indices_[body.first + s]);
+      };
+      constexpr Index ahead = 4;
+      for (Index k = begin; k < std::min(begin + ahead, end); ++k) fetch(k);
       for (Index k = begin; k < end; ++k) {
+        if (k + ahead < end) fetch(k + ahead);
         const Constants& body = constants_->clumps[k];
         const Sphere* const spheres = constants_->spheres.data() + body.first;
         const Index* const indices = indices_.data() + body.first;
@@ -400,7 +410,19 @@ class Clumps {
     const double squared = squared_norm(w) * dt * dt;
     if (!(squared > 1)) return;
     fail({"dem::Clumps: the clump ", body.name, " turns by ", std::sqrt(squared),
-          " rad in a step of ", dt, " s, more than 1 rad; lower the time step"});
+          " rad in a step of ", std::abs(dt), " s, more than 1 rad; lower the time step"});
+  }
+
+  template <class Real>
+  static void check_fits(const Box<Dim, Real>& box, const ClumpShape<Dim>& shape) {
+    const double diameter = 2 * shape.bounding_radius();
+    for (int k = 0; k < Dim; ++k) {
+      const double period = double(box.upper[k] - box.lower[k]);
+      if (!box.periodic[std::size_t(k)] || !(diameter > period / 2)) continue;
+      fail({"dem::Clumps: a clump with a bounding diameter of ", diameter,
+            " m is longer than half of the period ", period, " m of axis ", k,
+            "; enlarge the box"});
+    }
   }
 
   static void check(const ClumpPlacement<Dim>& at) {
@@ -528,7 +550,8 @@ class Clumps {
   // Clumps without any of their spheres are gone.
   template <class P>
   void update_indices(const P& grains) {
-    if (rows_revision_ == grains.rows_revision() && indices_.size() == constants_->spheres.size()) {
+    if (rows_revision_ == grains.rows_revision() && grains_ == grains.size() &&
+        indices_.size() == constants_->spheres.size()) {
       return;
     }
     const auto is_left = [&](Index k) {
@@ -546,7 +569,25 @@ class Clumps {
         indices_.push_back(index_of(grains, sphere, body));
       }
     }
+    check_all_known(grains);
     rows_revision_ = grains.rows_revision();
+    grains_ = grains.size();
+  }
+
+  // Every sphere of a clump must be one of these.
+  template <class P>
+  void check_all_known(const P& grains) const {
+    std::vector<Id> names(grains.size(), 0);
+    for (const Constants& body : constants_->clumps) {
+      for (Index s = body.first; s < body.first + body.spheres; ++s) names[indices_[s]] = body.name;
+    }
+    const auto given = grains[clump];
+    const Index odd = first_where(names.size(), [&](Index i) { return names[i] != given[i]; });
+    if (odd == no_index) return;
+    fail({"dem::Clumps: a grain belongs to the clump ", given[odd],
+          ", which the integrator does not have; add clumps to a simulation by "
+          "simulation.integrator().clumps().add(…)"},
+         {.particle = odd, .id = grains.id(odd)});
   }
 
   // A simulation has copies of its integrator, which share what does not change.
@@ -555,6 +596,7 @@ class Clumps {
   std::vector<Drive> drives_;   // empty as long as none is driven
   std::vector<Index> indices_;  // of the spheres, in grains with this rows_revision()
   std::uint64_t rows_revision_ = 0;
+  Index grains_ = 0;  // their number then
 };
 
 }  // namespace silt::dem

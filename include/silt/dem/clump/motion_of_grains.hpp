@@ -9,6 +9,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/tuples.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/setup/grains.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -36,11 +37,13 @@ class MotionOfGrains {
         x_(grains.advance(position)),
         v_(grains.advance(velocity)),
         w_(grains.advance(spin)),
+        radii_(grains.advance(radius)),
+        masses_(grains.advance(clump_mass)),
+        inertias_(grains.advance(inertia)),
         angles_(angles_of(grains)),
         f_(std::as_const(grains)[force]),
         t_(std::as_const(grains)[torque]),
-        m_(std::as_const(grains)[mass]),
-        I_(std::as_const(grains)[inertia]) {}
+        m_(std::as_const(grains)[mass]) {}
 
   /// Writes some of the grains, in one thread.
   class Range {
@@ -50,14 +53,23 @@ class MotionOfGrains {
     Range& operator=(const Range&) = delete;
     ~Range() { all_.add(squared_displacement_, broken_); }
 
+    /// Soon needed.
+    void fetch(Index i) const {
+      __builtin_prefetch(&all_.f_[i]);
+      __builtin_prefetch(&all_.t_[i]);
+      __builtin_prefetch(&all_.x_.before[i][0]);
+      __builtin_prefetch(&all_.x_.after[i][0], 1);
+      __builtin_prefetch(&component(all_.w_.after[i], 0), 1);
+    }
     /// Grain i has this velocity and spin, and drifts to x.
     void operator()(Index i, const Vec<Dim>& x, const Vec<Dim>& v, const Angular& w) {
       const typename P::Vec before = all_.x_.before[i];
       typename P::Vec after = before;
       if (all_.dt_ != 0) after = all_.wrapped(x.template cast<Real>());
       all_.x_.after[i] = after;
+      all_.keep_constants(i);
       all_.v_.after[i] = v.template cast<Real>();
-      double sum = v.sum();
+      double sum = v.sum() + double(after.sum());
       for (int k = 0; k < angular_size<Dim>; ++k) {
         component(all_.w_.after[i], k) = Real(component(w, k));
         sum += component(w, k);
@@ -78,7 +90,7 @@ class MotionOfGrains {
       Vec<Dim> v = in_double(all_.v_.before[i]);
       Angular w = in_double(all_.w_.before[i]);
       const double per_mass = 1 / double(all_.m_[i]);
-      const double per_inertia = 1 / double(all_.I_[i]);
+      const double per_inertia = 1 / double(all_.inertias_.before[i]);
       for (int k = 0; k < Dim; ++k) v[k] = change_of(v[k], double(all_.f_[i][k]) * per_mass);
       for (int k = 0; k < angular_size<Dim>; ++k) {
         component(w, k) =
@@ -112,6 +124,12 @@ class MotionOfGrains {
                                             std::memory_order_relaxed)) {
     }
   }
+  // In the same rows as what changes: to write them here saves passes over all grains.
+  void keep_constants(Index i) {
+    radii_.after[i] = radii_.before[i];
+    masses_.after[i] = masses_.before[i];
+    inertias_.after[i] = inertias_.before[i];
+  }
   typename P::Vec wrapped(const typename P::Vec& x) const {
     return image_.any() ? box_.wrap(x) : x;
   }
@@ -136,11 +154,13 @@ class MotionOfGrains {
   Advance<position_t> x_;
   Advance<velocity_t> v_;
   Advance<spin_t> w_;
+  Advance<radius_t> radii_;
+  Advance<clump_mass_t> masses_;
+  Advance<inertia_t> inertias_;
   decltype(angles_of(std::declval<P&>())) angles_;
   Values<force_t> f_;
   Values<torque_t> t_;
   Values<mass_t> m_;
-  Values<inertia_t> I_;
   std::atomic<bool> is_valid_ = true;
   std::atomic<double> farthest_ = 0;
 };

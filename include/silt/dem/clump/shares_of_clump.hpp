@@ -35,31 +35,40 @@ struct ShareOfClump {
 };
 
 /// The shares of mass [-] nearest to weights whose mean of the places r is 0, by Newton's iteration
-/// for the exponents; empty if there are none.
+/// for the exponents; empty if there are none. Spheres in a line or a plane have no variance across
+/// it: a mean there, of round-off, remains.
 template <int Dim>
 std::vector<double> centred_shares(std::vector<double> weights, const std::vector<Vec<Dim>>& r,
                                    double size) {
   using Matrix = Eigen::Matrix<double, Dim, Dim>;
-  for (int iterations = 0; iterations < 100; ++iterations) {
+  Vec<Dim> mean = Vec<Dim>::Zero();
+  for (int iterations = 0; iterations < 200; ++iterations) {
     double sum = 0;
     for (const double weight : weights) sum += weight;
     if (!is_positive_normal(sum)) return {};
     for (double& weight : weights) weight /= sum;
-    Vec<Dim> mean = Vec<Dim>::Zero();
+    mean = Vec<Dim>::Zero();
     Matrix second = Matrix::Zero();
     for (std::size_t s = 0; s < r.size(); ++s) {
       mean += weights[s] * r[s];
       second += weights[s] * r[s] * r[s].transpose();
     }
-    if (mean.norm() <= 1e-14 * size) return weights;
-    // Spheres in a line or a plane have no variance across it, and no mean.
-    const Matrix variance =
-        second - mean * mean.transpose() + 1e-13 * size * size * Matrix::Identity();
-    Vec<Dim> change = -(variance.inverse() * mean);
+    const Eigen::SelfAdjointEigenSolver<Matrix> solver(Matrix(second - mean * mean.transpose()));
+    Vec<Dim> change = Vec<Dim>::Zero();
+    double to_go = 0;
+    for (int k = 0; k < Dim; ++k) {
+      const Vec<Dim> axis = solver.eigenvectors().col(k);
+      const double variance = solver.eigenvalues()[k];
+      if (!(variance > 1e-14 * size * size)) continue;
+      change -= axis.dot(mean) / variance * axis;
+      to_go = std::max(to_go, std::abs(axis.dot(mean)));
+    }
+    if (to_go <= 1e-14 * size) break;
     change *= std::min(1.0, 2 / (change.norm() * size));  // exponents change by at most 2
     for (std::size_t s = 0; s < r.size(); ++s) weights[s] *= std::exp(change.dot(r[s]));
   }
-  return {};
+  if (mean.norm() > 1e-7 * size) return {};
+  return weights;
 }
 
 /// The moment of inertia of the clump without that of the masses of its spheres at their centres
@@ -99,7 +108,7 @@ std::vector<ShareOfClump> shares_of_clump(std::span<const Ball<Dim>> spheres,
   const auto shares_for = [&](double b) {
     std::vector<double> weights;
     for (std::size_t s = 0; s < r.size(); ++s) {
-      weights.push_back(std::pow(spheres[s].radius / size, Dim) *
+      weights.push_back(spheres[s].radius / size *
                         std::exp(-b * r[s].squaredNorm() / (size * size)));
     }
     return centred_shares<Dim>(std::move(weights), r, size);
@@ -119,10 +128,19 @@ std::vector<ShareOfClump> shares_of_clump(std::span<const Ball<Dim>> spheres,
       best = std::move(shares);
     }
   }
-  if (best.empty()) {
-    fail({"dem::ClumpShape: no masses at the centres of its spheres have the centre of mass ",
-          to_text(clump.centre), " m and less than the moment of inertia of the clump, ",
-          clump.mass, " kg; add a sphere near the centre of mass, which may lie within others"});
+  // Of a sphere that shares so little, the time step would be too short.
+  constexpr double least = 1e-6;
+  const bool is_any_without = std::any_of(best.begin(), best.end(), [&](const ShareOfClump& share) {
+    return !(share.mass * double(best.size()) > least * clump.mass);
+  });
+  if (best.empty() || is_any_without) {
+    fail(
+        {"dem::ClumpShape: no masses at the centres of its spheres, each with a part of it, have "
+         "the "
+         "centre of mass ",
+         to_text(clump.centre), " m and less than the moment of inertia of the clump, ", clump.mass,
+         " kg; remove spheres that lie within others, or, for a heavy core, add one near the "
+         "centre of mass"});
   }
   // In proportion to those of free spheres of these masses.
   double sum = 0;

@@ -102,14 +102,26 @@ struct GrainConstants {
        where);
 }
 
+/// Whether the mass of a clump is positive, and that of a grain that belongs to none its own.
+template <class P>
+bool is_clump_mass_valid([[maybe_unused]] const P& grains, [[maybe_unused]] Index i) {
+  if constexpr (HasFields<P, clump_mass_t>) {
+    const auto M = grains[clump_mass][i];
+    return is_positive_normal(M) && (grains[clump][i] != 0 || M == grains[mass][i]);
+  } else {
+    return true;
+  }
+}
+
 /// Whether radius, mass and inertia of a grain are positive and finite, products of radius and mass
 /// neither underflow nor overflow, and its material exists.
 template <class P, class Law>
 bool is_valid(const P& grains, const Materials<Law>& materials, Index i) {
   const auto R = grains[radius][i];
   const auto m = grains[mass][i];
-  return is_radius(R) && is_positive_normal(m) && is_positive_normal(grains[inertia][i]) &&
-         has_products(R, m) && grains[material][i] < materials.count();
+  return is_clump_mass_valid(grains, i) && is_radius(R) && is_positive_normal(m) &&
+         is_positive_normal(grains[inertia][i]) && has_products(R, m) &&
+         grains[material][i] < materials.count();
 }
 
 /// Throws if a radius, mass or inertia is not positive and finite, if products of radius and mass
@@ -125,6 +137,13 @@ void check_grains(const P& grains, const Materials<Law>& materials) {
   if (odd == no_index) return;
   const Where where{.particle = odd, .id = grains.id(odd)};
   materials.check(numbers[odd], "of a grain", where);
+  if (!is_clump_mass_valid(grains, odd) && is_positive_normal(m[odd])) {
+    fail(
+        "dem::Contacts: clump_mass of a grain that belongs to no clump must be its mass, and that "
+        "of a "
+        "sphere of a clump positive; set both, or add grains by add_grain() and Clumps::add()",
+        where);
+  }
   refuse_grain({.radius = double(R[odd]),
                 .mass = double(m[odd]),
                 .inertia = double(inertias[odd]),

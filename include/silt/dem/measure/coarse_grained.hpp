@@ -16,6 +16,7 @@
 
 #include <silt/core/box.hpp>
 #include <silt/core/buffer.hpp>
+#include <silt/core/concepts.hpp>
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
@@ -255,6 +256,10 @@ class CoarseGrained {
 template <class P, class C>
 CoarseGrained<P::dimension> coarse_grained(const P& grains, const C& contacts,
                                            const CoarseGrid<P::dimension>& grid) {
+  static_assert(!move_in_bodies<P>,
+                "silt::dem::coarse_grained: it does not know the forces within clumps, which bear "
+                "a part of the "
+                "stress");
   using Vector = Vec<P::dimension>;
   CoarseGrained<P::dimension> fields(grid);
   const auto x = grains[position];

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <silt/core/box.hpp>
+#include <silt/core/concepts.hpp>
 #include <silt/core/eigen.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
@@ -65,6 +66,10 @@ double share_within(const Box<Dim, double>& box, const Vec<Dim>& a, const Vec<Di
 template <class P, class C>
 Stress<P::dimension> stress(const P& grains, const C& contacts,
                             const Box<P::dimension, double>& region) {
+  static_assert(
+      !move_in_bodies<P>,
+      "silt::dem::stress: it does not know the forces within clumps, which bear a part of the "
+      "stress");
   constexpr int dimension = P::dimension;
   using Vector = Vec<dimension>;
   region.check();

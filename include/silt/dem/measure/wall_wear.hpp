@@ -3,13 +3,14 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/vectors.hpp>
 #include <silt/dem/wall/wall.hpp>
 
 #include <cmath>
 #include <string>
-#include <utility>
+#include <type_traits>
 #include <vector>
 
 namespace silt::dem {
@@ -41,6 +42,9 @@ class WallWear {
   /// Throws if there is no such wall.
   template <class Sim, class... Run>
   void after_step(const Sim& simulation, const Run&...) {
+    static_assert(
+        silt::detail::are_of_one_process<std::remove_cvref_t<decltype(simulation.particles())>>,
+        "silt::dem::WallWear: it knows the contacts of one process only");
     force_ = Vec<Dim>::Zero();
     torque_ = zero_of<AngularVec<Dim>>();
     add(simulation.interaction(), simulation.particles(), simulation.last_time_step());

@@ -2,6 +2,7 @@
 // Grains: the particles of DEM.
 #pragma once
 
+#include <silt/core/concepts.hpp>
 #include <silt/core/error.hpp>
 #include <silt/core/fields.hpp>
 #include <silt/core/particles.hpp>
@@ -54,6 +55,17 @@ using Grains = typename detail::GrainsOf<Dim, Real, mass_t, Further...>::type;
 template <int Dim, class Real = double, Field... Further>
 using ClumpGrains =
     typename detail::GrainsOf<Dim, Real, clump_mass_t, clump_t, clump_mass_t, Further...>::type;
+
+}  // namespace silt::dem
+
+namespace silt {
+// See core/concepts.hpp.
+template <class P>
+  requires HasFields<P, dem::clump_t>
+inline constexpr bool move_in_bodies<P> = true;
+}  // namespace silt
+
+namespace silt::dem {
 
 namespace detail {
 /// The mass that resists the contacts of a grain.
