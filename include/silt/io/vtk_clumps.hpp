@@ -23,7 +23,7 @@ template <class P, class Clumps>
   Buffer<Id> names;
   Buffer<double> angles;
   Buffer<silt::Vec<4>> quaternions;
-  clumps.for_each_face(grains, [&](const auto& face, Index k, const auto& state) {
+  for_each_face(clumps, grains, [&](const auto& face, Index k, const auto& state) {
     for (const Vec& corner : face.corners) corners.push_back(corner);
     names.push_back(clumps.name(k));
     velocities.push_back(state.velocity);

@@ -9,6 +9,7 @@
 #include <silt/core/particles.hpp>
 #include <silt/core/shared_particles.hpp>
 #include <silt/core/types.hpp>
+#include <silt/dem/clump/clump_faces.hpp>
 #include <silt/dem/clump/clumps.hpp>
 #include <silt/dem/clump/motion_of_grains.hpp>
 #include <silt/dem/setup/grains.hpp>
@@ -59,8 +60,7 @@ class ClumpLeapfrog {
     if (grains.box().on_escape == OnEscape::remove) {
       fail(
           "dem::ClumpLeapfrog: the box has OnEscape::remove, which takes grains one by one, also "
-          "spheres of "
-          "clumps; use OnEscape::refuse and a dem::Outflow");
+          "spheres of clumps; use OnEscape::refuse and a dem::Outflow");
     }
     set_last_time_step(interaction, started_ ? last_time_step_ : 0);
     if (!started_) start(grains, search, interaction, dt);

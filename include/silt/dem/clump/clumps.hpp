@@ -11,15 +11,13 @@
 #include <silt/core/transfer.hpp>
 #include <silt/core/types.hpp>
 #include <silt/dem/clump/clump_drive.hpp>
+#include <silt/dem/clump/clump_records.hpp>
 #include <silt/dem/clump/clump_shape.hpp>
 #include <silt/dem/setup/grains.hpp>
-#include <silt/geometry/ball.hpp>
-#include <silt/geometry/face.hpp>
 #include <silt/geometry/free_rotation.hpp>
 #include <silt/geometry/mass_properties.hpp>
 #include <silt/geometry/orientation.hpp>
 #include <silt/geometry/rigid_body.hpp>
-#include <silt/geometry/shapes.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -42,68 +40,6 @@ struct ClumpPlacement {
   Vec<Dim> velocity = Vec<Dim>::Zero();               ///< of its centre of mass [m/s]
   AngularVec<Dim> spin = zero_of<AngularVec<Dim>>();  ///< [1/s]
 };
-
-namespace detail {
-
-/// A sphere of a clump.
-template <int Dim>
-struct SphereOfClump {
-  Id id = 0;                           ///< of the grain
-  Vec<Dim> offset = Vec<Dim>::Zero();  ///< from the centre of mass, where the shape was given [m]
-
-  template <class Archive>
-  void transfer(Archive& archive) {
-    archive("id", id);
-    archive("offset", offset);
-  }
-};
-
-/// What does not change of a clump.
-template <int Dim>
-struct ClumpConstants {
-  Id name = 0;              ///< as in the field `clump`
-  std::uint64_t first = 0;  ///< of its spheres
-  std::uint64_t spheres = 0;
-  double mass = 0;                                             ///< [kg]
-  silt::Inertia<Dim> inertia = zero_of<silt::Inertia<Dim>>();  ///< [kg m²]
-  silt::Inertia<Dim> inverse = zero_of<silt::Inertia<Dim>>();  ///< of it
-  /// What the moment of inertia of its spheres lacks [kg m²].
-  silt::Inertia<Dim> beyond_spheres = zero_of<silt::Inertia<Dim>>();
-
-  template <class Archive>
-  void transfer(Archive& archive) {
-    archive("name", name);
-    archive("first", first);
-    archive("spheres", spheres);
-    archive("mass", mass);
-    archive("inertia", inertia);
-    archive("inverse", inverse);
-    archive("beyond_spheres", beyond_spheres);
-  }
-};
-
-/// The motion of a clump, with velocity and angular momentum as the integrator stores them.
-template <int Dim>
-struct ClumpMotion {
-  Vec<Dim> position = Vec<Dim>::Zero();                   ///< of the centre of mass [m]
-  Orientation<Dim> orientation;                           ///< against how the shape was given
-  Vec<Dim> velocity = Vec<Dim>::Zero();                   ///< [m/s]
-  AngularVec<Dim> momentum = zero_of<AngularVec<Dim>>();  ///< angular, about the centre [kg m²/s]
-
-  template <class Archive>
-  void transfer(Archive& archive) {
-    archive("position", position);
-    if constexpr (Dim == 2) {
-      archive("angle", orientation.angle);
-    } else {
-      archive("quaternion", orientation.quaternion);
-    }
-    archive("velocity", velocity);
-    archive("angular_momentum", momentum);
-  }
-};
-
-}  // namespace detail
 
 /// A number of clumps, and which grains are their spheres. A ClumpLeapfrog has a copy: during a
 /// run, add clumps to that of the integrator. What the program writes to position, velocity or spin
@@ -238,43 +174,6 @@ class Clumps {
     const Matrix Q = motions_[k].orientation.matrix();
     for (const Sphere& sphere : spheres_of(body)) {
       f(index_of(grains, sphere, body), multiply(Q, sphere.offset));
-    }
-  }
-
-  /// f(face, k, state) for the faces of the surface of each clump k, in space [m]: those of its
-  /// spheres, 42 corners a sphere, without those that lie within another sphere of the clump. For
-  /// pictures.
-  template <class P, class F>
-  void for_each_face(const P& grains, F&& f) const {
-    const auto outlines = [] {
-      if constexpr (Dim == 2) {
-        return faces_of_disc(Vec<2>::Zero(), 1, 0.2);
-      } else {
-        return faces_of_sphere(Vec<3>::Zero(), 1, 0.7);
-      }
-    }();
-    std::vector<Ball<Dim>> balls;
-    for (Index k = 0; k < size(); ++k) {
-      const BodyState<Dim> now = state(k);
-      balls.clear();
-      for_each_sphere(grains, k, [&](Index i, const Vec<Dim>& r) {
-        balls.push_back({Vec<Dim>(now.position + r), double(grains[radius][i])});
-      });
-      for (std::size_t s = 0; s < balls.size(); ++s) {
-        const auto is_hidden = [&](const Face<Dim>& face) {
-          for (std::size_t other = 0; other < balls.size(); ++other) {
-            const auto is_in_other = [&](const Vec<Dim>& x) {
-              return other != s && (x - balls[other].centre).norm() < balls[other].radius;
-            };
-            if (std::all_of(face.corners.begin(), face.corners.end(), is_in_other)) return true;
-          }
-          return false;
-        };
-        for (Face<Dim> face : outlines) {
-          for (Vec<Dim>& x : face.corners) x = balls[s].centre + balls[s].radius * x;
-          if (!is_hidden(face)) f(face, k, now);
-        }
-      }
     }
   }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <silt/core/error.hpp>
+#include <silt/core/fields.hpp>
 #include <silt/core/processes.hpp>
 #include <silt/core/types.hpp>
 #include <silt/core/vectors.hpp>
